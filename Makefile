@@ -1,0 +1,129 @@
+# Glint. `make run` and `make test` install what is missing and do the rest.
+#   make              build/glintd and build/glint
+#   make run          build, then serve a built-in groom (ARGS= adds options)
+#   make test         all tests; last line "N passed, N failed, N skipped"
+#   make test-long    the sweeps, soaks and long fuzzing as well
+#   make floors       reject an #include that points up a floor
+#   make format       clang-format in place;  make check-format  only looks
+#   SAN=address,undefined   build and test under sanitizers, in build/san
+#   CC=clang          another compiler
+CC ?= cc
+OPT ?= -O2
+ARGS ?=
+SAN ?=
+B := build$(if $(SAN),/san)
+
+OPENEXR_CFLAGS := $(shell pkg-config --cflags OpenEXR 2>/dev/null || \
+	echo -I/usr/include/OpenEXR -I/usr/include/Imath)
+WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror \
+	-Wno-format-truncation # bounded texts are cut on purpose
+CFLAGS_ALL := -std=c17 -D_GNU_SOURCE $(OPT) -g -fno-math-errno \
+	-ffp-contract=off $(WARN) -I. -I$(B)/gen \
+	$(subst -I,-isystem ,$(OPENEXR_CFLAGS)) \
+	$(if $(SAN),-fsanitize=$(SAN) -fno-omit-frame-pointer -DGLINT_SANITIZED=1)
+LDFLAGS_ALL := $(if $(SAN),-fsanitize=$(SAN)) -Wl,--as-needed
+LIBS_D := -lEGL -lOpenEXRCore -lOpenEXR -lm -lpthread
+
+GROUND := $(wildcard protocol/*.c)
+CLIENT := $(wildcard protocol/client/*.c)
+RENDERER := $(wildcard renderer/*.c)
+SERVER := $(filter-out server/main.c,$(wildcard server/*.c))
+objs = $(patsubst %.c,$(B)/obj/%.o,$(1))
+LIB_OBJS := $(call objs,$(GROUND) $(RENDERER) $(SERVER))
+
+# A C test is tests/{unit,numeric,render,fuzz}/test_NAME.c; helpers beside it
+# that do not begin with test_ are linked into every test of that folder.
+CTESTS := $(wildcard tests/unit/test_*.c tests/numeric/test_*.c \
+	tests/render/test_*.c tests/fuzz/test_*.c)
+CTEST_BINS := $(patsubst tests/%.c,$(B)/tests/%,$(CTESTS))
+PYTESTS := $(wildcard tests/unit/test_*.py tests/numeric/test_*.py \
+	tests/render/test_*.py tests/wire/test_*.py tests/browser/test_*.py)
+
+.PHONY: all run test test-long deps deps-test floors format check-format clean
+all: deps
+	+@$(MAKE) --no-print-directory $(B)/glintd $(B)/glint
+
+# --- dependencies -----------------------------------------------------------
+# What a package provides is looked for first, so a machine that has it never
+# calls the package manager.  Elsewhere than on Debian: say what is wanted.
+DEBIAN_BUILD := gcc make pkg-config libegl-dev libgl-dev libopenexr-dev \
+	libegl1 libegl-mesa0 libgl1-mesa-dri
+DEBIAN_TEST := python3 nodejs npm chromium
+HAVE_BUILD = command -v $(firstword $(CC)) && command -v pkg-config && \
+	pkg-config --exists egl OpenEXR && test -e /usr/include/GL/glcorearb.h && \
+	ls /usr/share/glvnd/egl_vendor.d/*.json
+HAVE_TEST = command -v python3 && command -v node && command -v npm && \
+	command -v chromium
+# $(1) test, $(2) packages
+define want
+	@{ $(1); } >/dev/null 2>&1 || { \
+	    root=; [ "$$(id -u)" = 0 ] || root=sudo; \
+	    if command -v apt-get >/dev/null; then \
+	        echo "installing: $(2)"; \
+	        $$root apt-get update -qq && \
+	        DEBIAN_FRONTEND=noninteractive $$root apt-get install -y -qq \
+	            --no-install-recommends $(2) >/dev/null; \
+	    else \
+	        echo "This system has no apt-get.  Please install what Debian" \
+	            "calls: $(2)" >&2; exit 1; \
+	    fi; }
+endef
+deps:
+	$(call want,$(HAVE_BUILD),$(DEBIAN_BUILD))
+deps-test: deps
+	$(call want,$(HAVE_TEST),$(DEBIAN_TEST))
+
+# --- programs ---------------------------------------------------------------
+$(B)/glintd: $(B)/obj/server/main.o $(LIB_OBJS)
+	$(CC) $(LDFLAGS_ALL) -o $@ $^ $(LIBS_D)
+$(B)/glint: $(call objs,$(CLIENT) $(GROUND))
+	$(CC) $(LDFLAGS_ALL) -o $@ $^ -lm
+
+$(B)/obj/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
+
+# Shaders and page are data: embedded, so the objects depend on them.
+$(B)/obj/renderer/embed.o: $(wildcard shaders/*)
+$(B)/obj/server/pages.o: $(wildcard web/*)
+
+$(B)/tests/%: tests/%.c $(LIB_OBJS)
+	@mkdir -p $(@D)
+	$(CC) $(CFLAGS_ALL) -MMD -MP -MF $@.d $(LDFLAGS_ALL) -o $@ $< \
+	    $(filter-out $(wildcard $(dir $<)test_*.c),$(wildcard $(dir $<)*.c)) \
+	    $(LIB_OBJS) $(LIBS_D)
+
+-include $(shell find $(B) -name '*.d' 2>/dev/null)
+
+# --- running and testing ----------------------------------------------------
+run: all
+	$(B)/glintd serve --hair builtin:ponytail --env builtin:studio $(ARGS)
+
+TEST_ENV = GLINTD=$(CURDIR)/$(B)/glintd GLINT=$(CURDIR)/$(B)/glint \
+	GLINT_SAN=$(SAN) GLINT_PLAIN=$(CURDIR)/build \
+	ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 \
+	LSAN_OPTIONS=suppressions=$(CURDIR)/tests/lsan.supp:print_suppressions=0 \
+	UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
+test: deps-test
+	+@$(MAKE) --no-print-directory -j2 tests-built
+	$(if $(SAN),+@$(MAKE) --no-print-directory -j2 SAN= build/glintd build/glint)
+	@$(TEST_ENV) python3 tests/run.py $(CTEST_BINS) $(PYTESTS)
+test-long: export GLINT_LONG = 1
+test-long: test
+.PHONY: tests-built
+tests-built: floors $(B)/glintd $(B)/glint $(CTEST_BINS)
+
+# --- house rules ------------------------------------------------------------
+# Includes point down only: tests -> server -> renderer -> protocol.
+floors:
+	@! grep -nE '#include "(renderer|server|tests)/' protocol/*.[ch] \
+	    protocol/client/*.[ch] 2>/dev/null
+	@! grep -nE '#include "(server|tests)/' renderer/*.[ch]
+	@! grep -nE '#include "tests/' server/*.[ch]
+FORMATTED = $(wildcard */*.[ch] */*/*.[ch])
+format:
+	clang-format -i $(FORMATTED)
+check-format:
+	clang-format --dry-run -Werror $(FORMATTED)
+clean:
+	rm -rf build

@@ -1,0 +1,28 @@
+// program.h - GLSL sources embedded in the binary become GL programs.
+//
+// A source may say `#include "name.glsl"` (each file at most once per program).
+// Definitions are put after the #version line, so one source makes variants.
+// Thread: render.
+#ifndef RENDERER_PROGRAM_H
+#define RENDERER_PROGRAM_H
+
+#include <stdbool.h>
+
+#include "protocol/bytes.h"
+#include "protocol/error.h"
+
+// The embedded text of shaders/NAME, or an empty span.
+struct span program_source(const char *name);
+
+// The text of shaders/NAME with its includes put in and `defines` ("A=1 B" or
+// NULL, blanks between) set, as the GL compiler will get it.
+bool program_expand(struct buf *out, const char *name, const char *defines,
+                    struct error *err);
+
+// Compiles and links.  0 and *err (with the compiler's first message) on fault.
+unsigned program_compute(const char *name, const char *defines,
+                         struct error *err);
+unsigned program_raster(const char *vert, const char *frag,
+                        const char *defines, struct error *err);
+
+#endif
