@@ -1,0 +1,88 @@
+// renderer.h - the one door into the renderer: parameters in, picture out.
+//
+// A renderer owns the EGL context, one groom, one sky and one picture that is
+// being refined.  Progress comes in steps, so that the caller can look for a
+// newer edit between two: renderer_step runs the stages that the last changes
+// made stale and adds one sample to the picture.
+// Thread: the one that calls renderer_create, for every function here.
+#ifndef RENDERER_RENDERER_H
+#define RENDERER_RENDERER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "protocol/bytes.h"
+#include "protocol/error.h"
+#include "protocol/params.h"
+#include "renderer/groom.h"
+#include "renderer/sky.h"
+
+struct renderer;
+
+enum renderer_stage { // in the order in which they run
+    RENDERER_STRANDS, // hair: vertex buffers
+    RENDERER_SKY,     // sky: the fit, lights in the map's frame
+    RENDERER_LIGHT,   // light, tint: lights in the world, those that matter
+    RENDERER_FIBRE,   // fibre, render: program variant, uniforms, tables
+    RENDERER_VISIBLE, // camera, image: which point of which strand a pixel sees
+    RENDERER_SHADE,   // radiance of the visible points
+    RENDERER_RESOLVE, // accumulation, coverage
+    RENDERER_DISPLAY, // view: the 8-bit picture
+    RENDERER_READ,    // pixels to the caller
+    RENDERER_STAGES
+};
+extern const char *const renderer_stage_names[RENDERER_STAGES];
+
+struct renderer_left_out { // what this scene did not need
+    const char *what;      // "eccentricity", "tt_trt", "lights"
+    char why[96];
+    double bound; // largest relative error that leaving it out can cause
+};
+
+struct renderer_stats {
+    double stage_ms[RENDERER_STAGES]; // of the last step; < 0: did not run
+    int samples;                      // accumulated so far
+    int samples_wanted;
+    uint32_t visible_points; // shaded by the last step
+    int lights_used, lights_fitted;
+    struct renderer_left_out left_out[8];
+    int left_out_count;
+    float diameter;   // in use, file units (see hair.diameter)
+    int up;           // 0, 1, 2: the axis taken as up (see hair.up)
+    float eye[3], target[3]; // in use, world (see camera.eye = auto)
+    uint64_t memory_strands, memory_targets, memory_cache; // bytes
+    struct sky_fit fit;
+    struct sky_cleaned cleaned;
+};
+
+// cache_dir: for fits; NULL keeps none.
+struct renderer *renderer_create(const char *cache_dir, struct error *err);
+void renderer_destroy(struct renderer *r); // NULL is allowed
+const char *renderer_device(const struct renderer *r);
+
+// Takes ownership of the groom or map, whether it succeeds or not.  On failure
+// the one in use stays.
+bool renderer_set_groom(struct renderer *r, struct groom *g, struct error *err);
+bool renderer_set_sky(struct renderer *r, struct sky_map *m, struct error *err);
+
+// Values as they passed the table's checks.  Marks what reads a changed group
+// as stale; does no work.  The picture starts anew when anything but `view` or
+// `output` changed.
+void renderer_set_params(struct renderer *r, const struct params *p);
+
+// One step.  *done is true when the picture is final (samples_wanted reached).
+// After an error the stages that failed are still stale.
+bool renderer_step(struct renderer *r, bool *done, struct error *err);
+
+// The display picture of the samples so far: straight-alpha RGBA8, top row
+// first, image.width x image.height, into *out (cleared first).
+bool renderer_read_display(struct renderer *r, struct buf *out,
+                           struct error *err);
+// The linear picture: float RGBA, premultiplied, A = coverage by hair; before
+// view.*.  Same shape.
+bool renderer_read_linear(struct renderer *r, struct buf *out,
+                          struct error *err);
+
+void renderer_stats(const struct renderer *r, struct renderer_stats *out);
+
+#endif
