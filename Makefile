@@ -16,7 +16,7 @@ B := build$(if $(SAN),/san)
 OPENEXR_CFLAGS := $(shell pkg-config --cflags OpenEXR 2>/dev/null || \
 	echo -I/usr/include/OpenEXR -I/usr/include/Imath)
 WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror \
-	-Wno-format-truncation # bounded texts are cut on purpose
+	-Wno-format-truncation -Wno-unknown-warning-option # texts are cut on purpose
 CFLAGS_ALL := -std=c17 -D_GNU_SOURCE $(OPT) -g -fno-math-errno \
 	-ffp-contract=off $(WARN) -I. -I$(B)/gen \
 	$(subst -I,-isystem ,$(OPENEXR_CFLAGS)) \
@@ -84,7 +84,12 @@ $(B)/obj/%.o: %.c
 	$(CC) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
 
 # Shaders and page are data: embedded, so the objects depend on them.
-$(B)/obj/renderer/embed.o: $(wildcard shaders/*)
+SHADERS := $(wildcard shaders/*)
+$(B)/gen/shader_list.h: $(SHADERS) Makefile
+	@mkdir -p $(@D)
+	@for f in $(SHADERS); do n=$${f#shaders/}; \
+	    echo "SHADER($$(echo $$n | tr . _), \"$$n\")"; done > $@
+$(B)/obj/renderer/embed.o: $(SHADERS) $(B)/gen/shader_list.h
 $(B)/obj/server/pages.o: $(wildcard web/*)
 
 $(B)/tests/%: tests/%.c $(LIB_OBJS)

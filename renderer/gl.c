@@ -1,0 +1,42 @@
+// gl.c - the function table, filled once a context is current.
+#include "renderer/gl.h"
+
+#include <string.h>
+
+#include <EGL/egl.h>
+
+struct gl gl;
+
+// ISO C has no cast between object and function pointers; POSIX guarantees
+// that copying the bits works.
+static bool fetch(void *slot, const char *name)
+{
+    void (*function)(void) = eglGetProcAddress(name);
+    memcpy(slot, &function, sizeof function);
+    return function != NULL;
+}
+
+bool gl_load(struct error *err)
+{
+#define F(UPPER, Name)                                                         \
+    if (!fetch(&gl.Name, "gl" #Name))                                          \
+        return error_set(err, "gpu", "gl" #Name,                               \
+                         "the OpenGL driver has no gl" #Name                   \
+                         " (OpenGL 4.5 core is needed)");
+    GL_FUNCTIONS(F)
+#undef F
+    return true;
+}
+
+bool gl_check(const char *doing, struct error *err)
+{
+    GLenum code = gl.GetError();
+    if (code == GL_NO_ERROR)
+        return true;
+    for (int i = 0; i < 16 && gl.GetError() != GL_NO_ERROR; i++) {
+    }
+    const char *what = code == GL_OUT_OF_MEMORY  ? "out of GPU memory"
+                       : code == GL_CONTEXT_LOST ? "the GPU context was lost"
+                                                 : "OpenGL error";
+    return error_set(err, "gpu", doing, "%s: %s (0x%04x)", doing, what, code);
+}

@@ -1,0 +1,107 @@
+// gl.h - the OpenGL functions in use, each fetched by eglGetProcAddress: no
+// libGL is linked.  Called as gl.DispatchCompute(...).
+// Thread: the one whose EGL context is current.
+#ifndef RENDERER_GL_H
+#define RENDERER_GL_H
+
+#include <stdbool.h>
+
+#include <GL/glcorearb.h>
+
+#include "protocol/error.h"
+
+#define GL_FUNCTIONS(F)                                                        \
+    F(GETSTRING, GetString)                                                    \
+    F(GETINTEGERV, GetIntegerv)                                                \
+    F(GETINTEGER64V, GetInteger64v)                                            \
+    F(GETERROR, GetError)                                                      \
+    F(ENABLE, Enable)                                                          \
+    F(DISABLE, Disable)                                                        \
+    F(VIEWPORT, Viewport)                                                      \
+    F(COLORMASK, ColorMask)                                                    \
+    F(DEPTHMASK, DepthMask)                                                    \
+    F(DEPTHFUNC, DepthFunc)                                                    \
+    F(FINISH, Finish)                                                          \
+    F(FLUSH, Flush)                                                            \
+    F(DEBUGMESSAGECALLBACK, DebugMessageCallback)                              \
+    F(OBJECTLABEL, ObjectLabel)                                                \
+    F(PUSHDEBUGGROUP, PushDebugGroup)                                          \
+    F(POPDEBUGGROUP, PopDebugGroup)                                            \
+    F(CREATESHADER, CreateShader)                                              \
+    F(SHADERSOURCE, ShaderSource)                                              \
+    F(COMPILESHADER, CompileShader)                                            \
+    F(GETSHADERIV, GetShaderiv)                                                \
+    F(GETSHADERINFOLOG, GetShaderInfoLog)                                      \
+    F(DELETESHADER, DeleteShader)                                              \
+    F(CREATEPROGRAM, CreateProgram)                                            \
+    F(ATTACHSHADER, AttachShader)                                              \
+    F(LINKPROGRAM, LinkProgram)                                                \
+    F(GETPROGRAMIV, GetProgramiv)                                              \
+    F(GETPROGRAMINFOLOG, GetProgramInfoLog)                                    \
+    F(DELETEPROGRAM, DeleteProgram)                                            \
+    F(USEPROGRAM, UseProgram)                                                  \
+    F(GETUNIFORMLOCATION, GetUniformLocation)                                  \
+    F(PROGRAMUNIFORM1I, ProgramUniform1i)                                      \
+    F(PROGRAMUNIFORM1UI, ProgramUniform1ui)                                    \
+    F(PROGRAMUNIFORM1F, ProgramUniform1f)                                      \
+    F(PROGRAMUNIFORM2F, ProgramUniform2f)                                      \
+    F(PROGRAMUNIFORM3F, ProgramUniform3f)                                      \
+    F(PROGRAMUNIFORM4F, ProgramUniform4f)                                      \
+    F(CREATEBUFFERS, CreateBuffers)                                            \
+    F(NAMEDBUFFERSTORAGE, NamedBufferStorage)                                  \
+    F(NAMEDBUFFERSUBDATA, NamedBufferSubData)                                  \
+    F(GETNAMEDBUFFERSUBDATA, GetNamedBufferSubData)                            \
+    F(CLEARNAMEDBUFFERDATA, ClearNamedBufferData)                              \
+    F(CLEARNAMEDBUFFERSUBDATA, ClearNamedBufferSubData)                        \
+    F(MAPNAMEDBUFFERRANGE, MapNamedBufferRange)                                \
+    F(UNMAPNAMEDBUFFER, UnmapNamedBuffer)                                      \
+    F(DELETEBUFFERS, DeleteBuffers)                                            \
+    F(BINDBUFFER, BindBuffer)                                                  \
+    F(BINDBUFFERBASE, BindBufferBase)                                          \
+    F(CREATETEXTURES, CreateTextures)                                          \
+    F(TEXTURESTORAGE2D, TextureStorage2D)                                      \
+    F(TEXTURESUBIMAGE2D, TextureSubImage2D)                                    \
+    F(TEXTUREPARAMETERI, TextureParameteri)                                    \
+    F(GETTEXTUREIMAGE, GetTextureImage)                                        \
+    F(GETTEXTURESUBIMAGE, GetTextureSubImage)                                  \
+    F(CLEARTEXIMAGE, ClearTexImage)                                            \
+    F(DELETETEXTURES, DeleteTextures)                                          \
+    F(BINDTEXTUREUNIT, BindTextureUnit)                                        \
+    F(BINDIMAGETEXTURE, BindImageTexture)                                      \
+    F(PIXELSTOREI, PixelStorei)                                                \
+    F(CREATEFRAMEBUFFERS, CreateFramebuffers)                                  \
+    F(NAMEDFRAMEBUFFERTEXTURE, NamedFramebufferTexture)                        \
+    F(CHECKNAMEDFRAMEBUFFERSTATUS, CheckNamedFramebufferStatus)                \
+    F(DELETEFRAMEBUFFERS, DeleteFramebuffers)                                  \
+    F(BINDFRAMEBUFFER, BindFramebuffer)                                        \
+    F(CLEARNAMEDFRAMEBUFFERUIV, ClearNamedFramebufferuiv)                      \
+    F(CLEARNAMEDFRAMEBUFFERFV, ClearNamedFramebufferfv)                        \
+    F(CREATEVERTEXARRAYS, CreateVertexArrays)                                  \
+    F(DELETEVERTEXARRAYS, DeleteVertexArrays)                                  \
+    F(BINDVERTEXARRAY, BindVertexArray)                                        \
+    F(DRAWARRAYS, DrawArrays)                                                  \
+    F(DISPATCHCOMPUTE, DispatchCompute)                                        \
+    F(DISPATCHCOMPUTEINDIRECT, DispatchComputeIndirect)                        \
+    F(MEMORYBARRIER, MemoryBarrier)                                            \
+    F(FENCESYNC, FenceSync)                                                    \
+    F(CLIENTWAITSYNC, ClientWaitSync)                                          \
+    F(DELETESYNC, DeleteSync)                                                  \
+    F(CREATEQUERIES, CreateQueries)                                            \
+    F(DELETEQUERIES, DeleteQueries)                                            \
+    F(QUERYCOUNTER, QueryCounter)                                              \
+    F(GETQUERYOBJECTUI64V, GetQueryObjectui64v)
+
+struct gl {
+#define F(UPPER, Name) PFNGL##UPPER##PROC Name;
+    GL_FUNCTIONS(F)
+#undef F
+};
+extern struct gl gl;
+
+// Fetches every function; false names the first one missing.
+bool gl_load(struct error *err);
+
+// The first pending GL error as an error that names `doing`; true when none.
+bool gl_check(const char *doing, struct error *err);
+
+#endif

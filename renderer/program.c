@@ -1,0 +1,162 @@
+// program.c - puts embedded GLSL files together and hands them to the GL
+// compiler.  Which variant to build is the caller's affair.
+#include "renderer/program.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "renderer/embed.h"
+#include "renderer/gl.h"
+
+enum { INCLUDES_MAX = 32 };
+
+struct expansion {
+    struct buf *out;
+    const char *defines;
+    char done[INCLUDES_MAX][48]; // files already in
+    int done_count;
+};
+
+struct span program_source(const char *name)
+{
+    return embed_shader(name);
+}
+
+static bool is_done(struct expansion *x, const char *name)
+{
+    for (int i = 0; i < x->done_count; i++)
+        if (strcmp(x->done[i], name) == 0)
+            return true;
+    if (x->done_count < INCLUDES_MAX)
+        snprintf(x->done[x->done_count++], sizeof x->done[0], "%s", name);
+    return false;
+}
+
+// "A=1 B" -> "#define A 1\n#define B\n"
+static void put_defines(struct buf *out, const char *defines)
+{
+    while (defines && *defines) {
+        size_t n = strcspn(defines, " ");
+        if (n > 0) {
+            size_t name = strcspn(defines, "= ");
+            buf_text(out, "#define ");
+            buf_append(out, defines, name);
+            if (name < n) {
+                buf_byte(out, ' ');
+                buf_append(out, defines + name + 1, n - name - 1);
+            }
+            buf_byte(out, '\n');
+        }
+        defines += n;
+        defines += *defines == ' ';
+    }
+}
+
+static bool put_file(struct expansion *x, const char *name, int depth,
+                     struct error *err)
+{
+    struct span text = embed_shader(name);
+    if (!text.data)
+        return error_set(err, "gpu", name, "no shader source named %s", name);
+    if (depth > 8)
+        return error_set(err, "gpu", name, "%s: includes nest too deep", name);
+    const char *at = (const char *)text.data, *end = at + text.size;
+    for (int line = 1; at < end; line++) {
+        const char *stop = memchr(at, '\n', (size_t)(end - at));
+        size_t n = stop ? (size_t)(stop - at) + 1 : (size_t)(end - at);
+        char inner[48];
+        if (n > 10 && memcmp(at, "#include \"", 10) == 0 &&
+            sscanf(at, "#include \"%47[^\"]\"", inner) == 1) {
+            if (!is_done(x, inner) && !put_file(x, inner, depth + 1, err))
+                return false;
+            buf_printf(x->out, "#line %d\n", line + 1);
+        } else {
+            buf_append(x->out, at, n);
+            if (n > 8 && memcmp(at, "#version", 8) == 0) {
+                put_defines(x->out, x->defines);
+                buf_printf(x->out, "#line %d\n", line + 1);
+            }
+        }
+        at += n;
+    }
+    return true;
+}
+
+bool program_expand(struct buf *out, const char *name, const char *defines,
+                    struct error *err)
+{
+    struct expansion x = {.out = out, .defines = defines};
+    is_done(&x, name);
+    return put_file(&x, name, 0, err);
+}
+
+static GLuint compile(GLenum kind, const char *name, const char *defines,
+                      struct error *err)
+{
+    struct buf text = {0};
+    GLuint shader = 0;
+    if (program_expand(&text, name, defines, err)) {
+        shader = gl.CreateShader(kind);
+        const GLchar *source = (const GLchar *)text.data;
+        const GLint size = (GLint)text.size;
+        gl.ShaderSource(shader, 1, &source, &size);
+        gl.CompileShader(shader);
+        GLint ok = 0;
+        gl.GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+        if (!ok) {
+            char log[240] = "";
+            gl.GetShaderInfoLog(shader, sizeof log, NULL, log);
+            gl.DeleteShader(shader);
+            shader = 0;
+            error_set(err, "gpu", name, "%s does not compile: %s", name, log);
+        }
+    }
+    buf_finish(&text);
+    return shader;
+}
+
+// Links and lets go of the shaders, whatever the outcome.
+static GLuint link_all(const GLuint *shaders, int count, const char *name,
+                       struct error *err)
+{
+    GLuint program = gl.CreateProgram();
+    GLint ok = 1;
+    for (int i = 0; i < count; i++)
+        if (shaders[i])
+            gl.AttachShader(program, shaders[i]);
+        else
+            ok = 0; // the error is set already
+    if (ok) {
+        gl.LinkProgram(program);
+        gl.GetProgramiv(program, GL_LINK_STATUS, &ok);
+        if (!ok) {
+            char log[240] = "";
+            gl.GetProgramInfoLog(program, sizeof log, NULL, log);
+            error_set(err, "gpu", name, "%s does not link: %s", name, log);
+        }
+    }
+    for (int i = 0; i < count; i++)
+        gl.DeleteShader(shaders[i]);
+    if (ok) {
+        gl.ObjectLabel(GL_PROGRAM, program, -1, name);
+        return program;
+    }
+    gl.DeleteProgram(program);
+    return 0;
+}
+
+unsigned program_compute(const char *name, const char *defines,
+                         struct error *err)
+{
+    GLuint shader = compile(GL_COMPUTE_SHADER, name, defines, err);
+    return link_all(&shader, 1, name, err);
+}
+
+unsigned program_raster(const char *vert, const char *frag,
+                        const char *defines, struct error *err)
+{
+    GLuint shaders[2] = {compile(GL_VERTEX_SHADER, vert, defines, err), 0};
+    if (shaders[0])
+        shaders[1] = compile(GL_FRAGMENT_SHADER, frag, defines, err);
+    return link_all(shaders, 2, vert, err);
+}
