@@ -54,69 +54,15 @@ static bool number(const char *text, double *value)
     return end != text && *end == 0 && isfinite(*value);
 }
 
-bool options_size_check(const struct params *p, struct error *err)
+// --size is checked by edit_size; sides that --set gave one by one, here.
+static bool pixels_fit(const struct params *p, struct error *err)
 {
     long pixels = (long)p->image.width * p->image.height;
-    if (pixels <= OPTIONS_PIXELS_MAX)
+    if (pixels <= EDIT_PIXELS_MAX)
         return true;
     return error_set(err, "range", "size",
                      "size: %dx%d is more than %d pixels in all",
-                     p->image.width, p->image.height, OPTIONS_PIXELS_MAX);
-}
-
-static bool side(const char **at, const char *end, const char *name, int *to,
-                 struct error *err)
-{
-    const struct params_row *row = params_find(name, strlen(name));
-    long v = 0;
-    const char *p = *at;
-    while (p < end && *p >= '0' && *p <= '9' && v < 1000000)
-        v = v * 10 + (*p++ - '0');
-    if (p == *at)
-        return false;
-    if (v < (long)row->min || v > (long)row->max)
-        return error_set(err, "range", "size",
-                         "size: %s %ld is not within [%g, %g] pixels",
-                         row->name, v, row->min, row->max);
-    *to = (int)v;
-    *at = p;
-    return true;
-}
-
-bool options_size(const char *text, size_t length, int *width, int *height,
-                  struct error *err)
-{
-    const char *at = text, *end = text + length;
-    struct params p = {0};
-    struct error own = {0};
-    if (!side(&at, end, "image.width", &p.image.width, &own) || at == end ||
-        *at++ != 'x' ||
-        !side(&at, end, "image.height", &p.image.height, &own) || at != end) {
-        if (own.code[0] && err) {
-            *err = own;
-            return false;
-        }
-        return error_set(err, "syntax", "size",
-                         "size: '%.*s' is not WIDTHxHEIGHT, as in 720x480",
-                         length > 40 ? 40 : (int)length, text);
-    }
-    if (!options_size_check(&p, err))
-        return false;
-    *width = p.image.width;
-    *height = p.image.height;
-    return true;
-}
-
-static bool assign(struct params *p, const char *text, struct error *err)
-{
-    const char *equals = strchr(text, '=');
-    if (!equals)
-        return error_set(err, "syntax", "set",
-                         "--set %.60s: expected GROUP.NAME=VALUE", text);
-    return edit_assign(
-        p, (struct span){(const unsigned char *)text, (size_t)(equals - text)},
-        (struct span){(const unsigned char *)equals + 1, strlen(equals + 1)},
-        err);
+                     p->image.width, p->image.height, EDIT_PIXELS_MAX);
 }
 
 static bool take_shared(struct options *o, unsigned bit, const char *value,
@@ -132,15 +78,11 @@ static bool take_shared(struct options *o, unsigned bit, const char *value,
         o->env_given = true;
         return true;
     case OPTIONS_SET:
-        return assign(&o->params, value, err);
-    case OPTIONS_SIZE: {
-        int w, h;
-        if (!options_size(value, strlen(value), &w, &h, err))
-            return false;
-        o->params.image.width = w;
-        o->params.image.height = h;
-        return true;
-    }
+        return edit_apply_text(&o->params, value, err);
+    case OPTIONS_SIZE:
+        return edit_size(
+            (struct span){(const unsigned char *)value, strlen(value)},
+            "--size", &o->params.image.width, &o->params.image.height, err);
     default:
         o->out = value;
         return true;
@@ -266,7 +208,7 @@ static bool parse(struct options *o, const struct options_verb *verb, int argc,
                              argv[i], verb->name);
         }
     }
-    return options_size_check(&o->params, err);
+    return pixels_fit(&o->params, err);
 }
 
 int options_parse(struct options *o, const struct options_verb *verb, int argc,

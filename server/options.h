@@ -72,12 +72,4 @@ void options_finish(struct options *o);
 // Prints "glintd: TEXT" to stderr and returns 1.
 int options_fail(const struct error *err);
 
-// "WxH" -> sizes within image.width's and image.height's ranges and at most
-// OPTIONS_PIXELS_MAX in all.  `text` need not end with 0.
-enum { OPTIONS_PIXELS_MAX = 33000000 };
-bool options_size(const char *text, size_t length, int *width, int *height,
-                  struct error *err);
-// The last condition alone, for sizes set one by one.
-bool options_size_check(const struct params *p, struct error *err);
-
 #endif
