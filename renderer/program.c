@@ -7,6 +7,7 @@
 
 #include "renderer/embed.h"
 #include "renderer/gl.h"
+#include "renderer/glsl.h"
 
 enum { INCLUDES_MAX = 32 };
 
@@ -55,6 +56,10 @@ static void put_defines(struct buf *out, const char *defines)
 static bool put_file(struct expansion *x, const char *name, int depth,
                      struct error *err)
 {
+    if (strcmp(name, "params.glsl") == 0) {
+        glsl_params_text(x->out);
+        return true;
+    }
     struct span text = embed_shader(name);
     if (!text.data)
         return error_set(err, "gpu", name, "no shader source named %s", name);

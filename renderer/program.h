@@ -1,6 +1,7 @@
 // program.h - GLSL sources embedded in the binary become GL programs.
 //
 // A source may say `#include "name.glsl"` (each file at most once per program).
+// "params.glsl" is made from the parameter table (glsl.h).
 // Definitions are put after the #version line, so one source makes variants.
 // Thread: render.
 #ifndef RENDERER_PROGRAM_H

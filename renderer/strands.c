@@ -1,0 +1,284 @@
+// strands.c - turns a groom's arrays into GPU buffers.  Rotation and scale are
+// applied here once, so that every shader works in world space.
+#include "renderer/strands.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "protocol/bytes.h"
+#include "renderer/gl.h"
+
+// File axes to world axes: a cyclic change, so handedness is kept; a y-up
+// file's +z is the world's -y, its front.
+static void to_world(int up, const float in[3], float out[3])
+{
+    switch (up) {
+    case 0: // x up
+        memcpy(out, (float[3]){in[1], in[2], in[0]}, 12);
+        break;
+    case 1: // y up
+        memcpy(out, (float[3]){in[0], -in[2], in[1]}, 12);
+        break;
+    default:
+        memcpy(out, in, 12);
+    }
+}
+
+static bool upload(unsigned *buffer, const void *data, size_t size,
+                   const char *name, struct error *err)
+{
+    GLint64 limit = 0;
+    gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
+    if ((GLint64)size > limit)
+        return error_set(err, "limit", name,
+                         "%s: %zu bytes are more than this device's limit of "
+                         "%lld bytes a buffer",
+                         name, size, (long long)limit);
+    gl.CreateBuffers(1, buffer);
+    gl.NamedBufferStorage(*buffer, (GLsizeiptr)size, data, 0);
+    gl.ObjectLabel(GL_BUFFER, *buffer, -1, name);
+    return gl_check(name, err);
+}
+
+static float diameter_at(const struct groom *g, const struct params *p,
+                         uint32_t i)
+{
+    if (p->hair.diameter > 0)
+        return p->hair.diameter;
+    if (g->diameter)
+        return g->diameter[i];
+    return g->default_diameter > 0 ? g->default_diameter
+                                   : groom_auto_diameter(g);
+}
+
+static void grow_box(struct strands *s, const float p[3])
+{
+    for (int k = 0; k < 3; k++) {
+        s->box_min[k] = fminf(s->box_min[k], p[k]);
+        s->box_max[k] = fmaxf(s->box_max[k], p[k]);
+    }
+}
+
+static void place_head(struct strands *s, const struct groom *g, float scale)
+{
+    s->has_head = g->head.present;
+    if (!s->has_head)
+        return;
+    float centre[3], radius[3];
+    to_world(s->up, g->head.centre, centre);
+    to_world(s->up, g->head.radius, radius);
+    for (int k = 0; k < 3; k++) {
+        s->head_centre[k] = scale * centre[k];
+        s->head_radius[k] = scale * fabsf(radius[k]);
+    }
+    for (int sign = -1; sign <= 1; sign += 2) {
+        float corner[3];
+        for (int k = 0; k < 3; k++)
+            corner[k] = s->head_centre[k] + (float)sign * s->head_radius[k];
+        grow_box(s, corner);
+    }
+}
+
+static void fill(struct strands *s, const struct groom *g,
+                 const struct params *p, float *position, uint32_t *strand)
+{
+    const float scale = p->hair.scale;
+    const bool varies = p->hair.diameter <= 0 && g->diameter;
+    float d = varies ? 0 : diameter_at(g, p, 0);
+    for (uint32_t k = 0; k < g->strands; k++)
+        for (uint32_t i = g->first[k]; i < g->first[k + 1]; i++) {
+            float *out = position + 4 * (size_t)i, at[3];
+            to_world(s->up, g->position + 3 * (size_t)i, at);
+            for (int c = 0; c < 3; c++)
+                out[c] = scale * at[c];
+            if (varies)
+                d = diameter_at(g, p, i);
+            s->diameter = fmaxf(s->diameter, d);
+            float world = fmaxf(scale * d, 1e-12f);
+            s->diameter_min = fminf(s->diameter_min, world);
+            s->diameter_max = fmaxf(s->diameter_max, world);
+            out[3] = i + 1 == g->first[k + 1] ? -world : world;
+            strand[i] = k;
+            grow_box(s, out);
+        }
+}
+
+static bool upload_optional(struct strands *s, const struct groom *g,
+                            const struct params *p, struct error *err)
+{
+    const size_t n = g->points;
+    if (p->hair.use_opacity && g->opacity) {
+        if (!upload(&s->opacity, g->opacity, n * 4, "opacity", err))
+            return false;
+        s->bytes += n * 4;
+    }
+    if (p->hair.use_colour && g->colour) {
+        float *rgba = bytes_zalloc(n * 4, sizeof *rgba);
+        for (size_t i = 0; i < n; i++)
+            memcpy(rgba + 4 * i, g->colour + 3 * i, 12);
+        bool ok = upload(&s->colour, rgba, n * 16, "colour", err);
+        free(rgba);
+        if (!ok)
+            return false;
+        s->bytes += n * 16;
+    }
+    return true;
+}
+
+bool strands_build(struct strands *s, const struct groom *g,
+                   const struct params *p, struct error *err)
+{
+    strands_finish(s);
+    const size_t n = g->points;
+    float *position = bytes_zalloc(n * 4, sizeof *position);
+    uint32_t *strand = bytes_zalloc(n, sizeof *strand);
+    s->up = p->hair.up > 0 ? p->hair.up - 1 : g->up;
+    s->points = g->points;
+    s->strands = g->strands;
+    s->diameter_min = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        s->box_min[k] = INFINITY;
+        s->box_max[k] = -INFINITY;
+    }
+    fill(s, g, p, position, strand);
+    place_head(s, g, p->hair.scale);
+    s->bytes = n * 20;
+    bool ok = upload(&s->position, position, n * 16, "strand points", err) &&
+              upload(&s->strand, strand, n * 4, "strand index", err) &&
+              upload_optional(s, g, p, err);
+    free(position);
+    free(strand);
+    if (!ok)
+        strands_finish(s);
+    return ok;
+}
+
+// --- the cross section's axis ------------------------------------------------
+
+static float dot(const float a[3], const float b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static bool normalise(float v[3])
+{
+    float n = sqrtf(dot(v, v));
+    if (!(n > 0))
+        return false;
+    for (int i = 0; i < 3; i++)
+        v[i] /= n;
+    return true;
+}
+
+static void reflect(float v[3], const float n[3], float nn)
+{
+    float s = 2 * dot(v, n) / nn;
+    for (int i = 0; i < 3; i++)
+        v[i] -= s * n[i];
+}
+
+// Tangent at point i of a strand [a, b): central difference, as scene.glsl.
+static void tangent_at(const struct strands *s, const struct groom *g,
+                       uint32_t i, uint32_t a, uint32_t b, float out[3])
+{
+    float from[3], to[3];
+    to_world(s->up, g->position + 3 * (size_t)(i > a ? i - 1 : i), from);
+    to_world(s->up, g->position + 3 * (size_t)(i + 1 < b ? i + 1 : i), to);
+    for (int c = 0; c < 3; c++)
+        out[c] = to[c] - from[c];
+    if (!normalise(out))
+        memcpy(out, (float[3]){0, 0, -1}, 12);
+}
+
+static float seeded_angle(uint32_t strand)
+{
+    uint32_t h = strand * 2654435769u + 0x9e37u;
+    h ^= h >> 16;
+    h *= 0x7feb352du;
+    h ^= h >> 15;
+    return (float)h * (float)(2 * M_PI / 4294967296.0);
+}
+
+static void root_axis(const float t[3], float angle, float v[3])
+{
+    float side[3] = {0, 0, 0}, w[3];
+    side[fabsf(t[2]) < 0.9f ? 2 : 0] = 1;
+    float s = dot(side, t);
+    for (int c = 0; c < 3; c++)
+        side[c] -= s * t[c];
+    normalise(side);
+    w[0] = t[1] * side[2] - t[2] * side[1];
+    w[1] = t[2] * side[0] - t[0] * side[2];
+    w[2] = t[0] * side[1] - t[1] * side[0];
+    for (int c = 0; c < 3; c++)
+        v[c] = cosf(angle) * side[c] + sinf(angle) * w[c];
+}
+
+static uint32_t octahedral(const float v[3])
+{
+    float l = fabsf(v[0]) + fabsf(v[1]) + fabsf(v[2]);
+    float x = v[0] / l, y = v[1] / l;
+    if (v[2] < 0) {
+        float fx = (1 - fabsf(y)) * (x < 0 ? -1.f : 1.f);
+        y = (1 - fabsf(x)) * (y < 0 ? -1.f : 1.f);
+        x = fx;
+    }
+    int16_t ix = (int16_t)lrintf(x * 32767), iy = (int16_t)lrintf(y * 32767);
+    return (uint32_t)(uint16_t)ix | (uint32_t)(uint16_t)iy << 16;
+}
+
+// Rotation-minimising frame by double reflection (Wang, Juttler, Zheng and Liu
+// 2008): v is reflected in the chord's bisecting plane, then in the tangents'.
+static void strand_axes(const struct strands *s, const struct groom *g,
+                        uint32_t k, uint32_t *out)
+{
+    uint32_t a = g->first[k], b = g->first[k + 1];
+    float t0[3], v[3];
+    tangent_at(s, g, a, a, b, t0);
+    root_axis(t0, seeded_angle(k), v);
+    out[a] = octahedral(v);
+    for (uint32_t i = a + 1; i < b; i++) {
+        float p0[3], p1[3], chord[3], t1[3], tl[3], n2[3];
+        to_world(s->up, g->position + 3 * (size_t)(i - 1), p0);
+        to_world(s->up, g->position + 3 * (size_t)i, p1);
+        tangent_at(s, g, i, a, b, t1);
+        memcpy(tl, t0, sizeof tl);
+        for (int c = 0; c < 3; c++)
+            chord[c] = p1[c] - p0[c];
+        float cc = dot(chord, chord);
+        if (cc > 0) {
+            reflect(v, chord, cc);
+            reflect(tl, chord, cc);
+        }
+        for (int c = 0; c < 3; c++)
+            n2[c] = t1[c] - tl[c];
+        float nn = dot(n2, n2);
+        if (nn > 1e-12f)
+            reflect(v, n2, nn);
+        normalise(v);
+        memcpy(t0, t1, sizeof t0);
+        out[i] = octahedral(v);
+    }
+}
+
+bool strands_build_axis(struct strands *s, const struct groom *g,
+                        struct error *err)
+{
+    if (s->axis)
+        return true;
+    uint32_t *axis = bytes_zalloc(g->points, sizeof *axis);
+    for (uint32_t k = 0; k < g->strands; k++)
+        strand_axes(s, g, k, axis);
+    bool ok = upload(&s->axis, axis, (size_t)g->points * 4, "strand axis", err);
+    free(axis);
+    s->bytes += ok ? (uint64_t)g->points * 4 : 0;
+    return ok;
+}
+
+void strands_finish(struct strands *s)
+{
+    unsigned all[] = {s->position, s->strand, s->opacity, s->colour, s->axis};
+    gl.DeleteBuffers(5, all);
+    memset(s, 0, sizeof *s);
+}

@@ -1,0 +1,39 @@
+// strands.h - a groom in GPU memory, in world units and axes.
+//
+// Buffers, one element a point: positions vec4 (x, y, z, diameter; the
+// diameter is negative at a strand's last point, so a segment i joins points i
+// and i + 1 unless w_i < 0), the strand's index, and only when wanted opacity,
+// colour and the cross section's major axis.
+// Thread: render.
+#ifndef RENDERER_STRANDS_H
+#define RENDERER_STRANDS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "protocol/params.h"
+#include "renderer/groom.h"
+
+struct strands { // zero-initialised is empty
+    unsigned position, strand, opacity, colour, axis; // buffers, 0 = not there
+    uint32_t points, strands;
+    float diameter; // in use, file units (the largest where it varies)
+    float diameter_min, diameter_max; // world
+    int up;         // axis taken as up
+    float box_min[3], box_max[3]; // world, the head included
+    bool has_head;
+    float head_centre[3], head_radius[3]; // world
+    uint64_t bytes;
+};
+
+// Uploads what `p`'s group hair asks for.
+bool strands_build(struct strands *s, const struct groom *g,
+                   const struct params *p, struct error *err);
+// The major axis v of every point (snorm16 octahedral): a rotation-minimising
+// frame (double reflection), turned at the root by a seeded angle a strand.
+// Done only when an eccentric fibre asks for it.
+bool strands_build_axis(struct strands *s, const struct groom *g,
+                        struct error *err);
+void strands_finish(struct strands *s);
+
+#endif
