@@ -36,7 +36,7 @@ struct line_pair {
     bool quoted;       // it was in quotes
 };
 
-// About 9 KiB: on the stack for one request, not one per client.
+// About 7 KiB: on the stack for one request, not one per client.
 struct line {        // zero-initialised is empty
     struct span tag; // without "#"; size 0: there was none
     struct span verb;
