@@ -13,11 +13,13 @@
 #define SHOWN 40        // bytes of a refused value that an error repeats
 #define NEAREST_MAX 64u // longest name for which a near one is looked for
 
-static struct span text_span(const char *s) {
+static struct span text_span(const char *s)
+{
     return (struct span){(const unsigned char *)s, strlen(s)};
 }
 
-static void full_name(const struct params_row *row, char out[FULL_NAME]) {
+static void full_name(const struct params_row *row, char out[FULL_NAME])
+{
     snprintf(out, FULL_NAME, "%s.%s", row->group_name, row->name);
 }
 
@@ -28,7 +30,8 @@ struct shown {
     char text[SHOWN + 8];
 };
 
-static struct shown show(struct span value) {
+static struct shown show(struct span value)
+{
     struct shown s;
     double ignored;
     int n = (int)utf8_cut(value, SHOWN);
@@ -40,7 +43,8 @@ static struct shown show(struct span value) {
 }
 
 static bool bad_range(const struct params_row *row, struct span value,
-                      struct error *err) {
+                      struct error *err)
+{
     char name[FULL_NAME], lo[NUMBER_BUFFER], hi[NUMBER_BUFFER];
     full_name(row, name);
     number_print(lo, row->min);
@@ -51,7 +55,8 @@ static bool bad_range(const struct params_row *row, struct span value,
 }
 
 static bool bad_type(const struct params_row *row, struct span value,
-                     const char *wanted, struct error *err) {
+                     const char *wanted, struct error *err)
+{
     char name[FULL_NAME];
     full_name(row, name);
     return error_set(err, "type", name, "%s: %s is not %s%s", name,
@@ -61,7 +66,8 @@ static bool bad_type(const struct params_row *row, struct span value,
 // --- names ------------------------------------------------------------------
 
 // Edit distance (Levenshtein): one row of the table at a time.
-static int distance(struct span a, struct span b) {
+static int distance(struct span a, struct span b)
+{
     int row[NEAREST_MAX + 1];
     if (a.size > NEAREST_MAX || b.size > NEAREST_MAX)
         return (int)NEAREST_MAX;
@@ -85,7 +91,8 @@ static int distance(struct span a, struct span b) {
 
 // The row whose name is nearest, if it is near at all.  A name without its
 // group ("sigma_a") is compared with names without theirs.
-static const struct params_row *nearest(struct span name) {
+static const struct params_row *nearest(struct span name)
+{
     const struct params_row *best = NULL;
     int least = 1 + (int)(name.size / 3);
     bool whole = name.size > 0 && memchr(name.data, '.', name.size) != NULL;
@@ -102,7 +109,8 @@ static const struct params_row *nearest(struct span name) {
     return best;
 }
 
-const struct params_row *edit_find(struct span name, struct error *err) {
+const struct params_row *edit_find(struct span name, struct error *err)
+{
     const struct params_row *row =
         params_find((const char *)name.data, name.size);
     if (row)
@@ -122,7 +130,8 @@ const struct params_row *edit_find(struct span name, struct error *err) {
     return NULL;
 }
 
-struct span edit_choice(const struct params_row *row, int i) {
+struct span edit_choice(const struct params_row *row, int i)
+{
     const char *at = row->choices;
     for (; at && i > 0; i--) {
         at = strchr(at, '|');
@@ -135,12 +144,14 @@ struct span edit_choice(const struct params_row *row, int i) {
 
 // --- one value --------------------------------------------------------------
 
-static bool equal(struct span a, const char *b) {
+static bool equal(struct span a, const char *b)
+{
     return line_is(a, b);
 }
 
 static bool put_choice(struct params *p, const struct params_row *row,
-                       struct span value, struct error *err) {
+                       struct span value, struct error *err)
+{
     struct buf words = {0};
     for (int i = 0;; i++) {
         struct span word = edit_choice(row, i);
@@ -162,7 +173,8 @@ static bool put_choice(struct params *p, const struct params_row *row,
 }
 
 static bool put_bool(struct params *p, const struct params_row *row,
-                     struct span value, struct error *err) {
+                     struct span value, struct error *err)
+{
     bool on = equal(value, "on") || equal(value, "true") || equal(value, "1");
     bool off =
         equal(value, "off") || equal(value, "false") || equal(value, "0");
@@ -173,7 +185,8 @@ static bool put_bool(struct params *p, const struct params_row *row,
 }
 
 static bool put_int(struct params *p, const struct params_row *row,
-                    struct span value, struct error *err) {
+                    struct span value, struct error *err)
+{
     double v;
     if (!number_parse(value, &v) || v != trunc(v))
         return bad_type(row, value, "a whole number", err);
@@ -183,7 +196,8 @@ static bool put_int(struct params *p, const struct params_row *row,
     return true;
 }
 
-static bool put_auto(struct params *p, const struct params_row *row) {
+static bool put_auto(struct params *p, const struct params_row *row)
+{
     for (int i = 0; i < row->count; i++)
         params_put(p, row, i, (double)NAN);
     return true;
@@ -191,7 +205,8 @@ static bool put_auto(struct params *p, const struct params_row *row) {
 
 // A float, or a tuple of them.
 static bool put_floats(struct params *p, const struct params_row *row,
-                       struct span value, struct error *err) {
+                       struct span value, struct error *err)
+{
     static const char *const wanted[] = {
         [PARAMS_FLOAT] = "a number",
         [PARAMS_RGB] = "a number, or three joined by commas,",
@@ -222,7 +237,8 @@ static bool put_floats(struct params *p, const struct params_row *row,
 }
 
 static bool put(struct params *p, struct span name, struct span value,
-                struct error *err) {
+                struct error *err)
+{
     const struct params_row *row = edit_find(name, err);
     if (!row)
         return false;
@@ -246,7 +262,8 @@ static bool put(struct params *p, struct span name, struct span value,
 // --- edits ------------------------------------------------------------------
 
 static bool check_pixels(const char *name, int64_t width, int64_t height,
-                         struct error *err) {
+                         struct error *err)
+{
     if (width * height <= EDIT_PIXELS_MAX)
         return true;
     return error_set(err, "range", name,
@@ -257,7 +274,8 @@ static bool check_pixels(const char *name, int64_t width, int64_t height,
 }
 
 bool edit_apply(struct params *p, const struct line_pair *pairs, int count,
-                struct error *err) {
+                struct error *err)
+{
     struct params next = *p;
     for (int i = 0; i < count; i++)
         if (!put(&next, pairs[i].name, pairs[i].value, err))
@@ -269,7 +287,8 @@ bool edit_apply(struct params *p, const struct line_pair *pairs, int count,
 }
 
 bool edit_apply_text(struct params *p, const char *assignment,
-                     struct error *err) {
+                     struct error *err)
+{
     const char *sign = strchr(assignment, '=');
     struct span all = text_span(assignment);
     if (!utf8_valid(all))
@@ -286,7 +305,8 @@ bool edit_apply_text(struct params *p, const char *assignment,
 }
 
 void edit_print(struct buf *out, const struct params *p,
-                const struct params_row *row) {
+                const struct params_row *row)
+{
     char text[NUMBER_BUFFER];
     double first = params_get(p, row, 0);
     struct span word;
@@ -317,7 +337,8 @@ void edit_print(struct buf *out, const struct params *p,
 }
 
 bool edit_size(struct span text, const char *name, int *width, int *height,
-               struct error *err) {
+               struct error *err)
+{
     const struct params_row *w = params_find("image.width", 11);
     const struct params_row *h = params_find("image.height", 12);
     uint64_t wide, high;

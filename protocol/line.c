@@ -10,7 +10,8 @@
 
 // --- a stream of lines ------------------------------------------------------
 
-enum line_result line_looks_http(struct span first) {
+enum line_result line_looks_http(struct span first)
+{
     size_t n = 0;
     while (n < first.size && n <= METHOD_MAX && first.data[n] >= 'A' &&
            first.data[n] <= 'Z')
@@ -23,7 +24,8 @@ enum line_result line_looks_http(struct span first) {
 }
 
 // "Host:" in any case begins a line that only HTTP has.
-static bool looks_host(struct span first) {
+static bool looks_host(struct span first)
+{
     static const char host[] = "host:";
     if (first.size < sizeof host - 1)
         return false;
@@ -38,13 +40,15 @@ static bool looks_host(struct span first) {
 }
 
 static enum line_result bad(struct error *err, const char *code,
-                            const char *text) {
+                            const char *text)
+{
     error_set(err, code, "", "%s", text);
     return LINE_BAD;
 }
 
 enum line_result line_cut(struct span in, size_t *scanned, struct span *line,
-                          size_t *used, struct error *err) {
+                          size_t *used, struct error *err)
+{
     if (line_looks_http(in) == LINE_ONE || looks_host(in))
         return bad(err, "http",
                    "a line that begins as HTTP does ends the connection");
@@ -74,11 +78,13 @@ struct reader {
     struct error *err;
 };
 
-static bool lower_start(struct span s) {
+static bool lower_start(struct span s)
+{
     return s.size > 0 && s.data[0] >= 'a' && s.data[0] <= 'z';
 }
 
-static bool is_name(struct span s) {
+static bool is_name(struct span s)
+{
     if (!lower_start(s))
         return false;
     for (size_t i = 1; i < s.size; i++) {
@@ -90,7 +96,8 @@ static bool is_name(struct span s) {
     return true;
 }
 
-static bool is_tag(struct span s) {
+static bool is_tag(struct span s)
+{
     for (size_t i = 0; i < s.size; i++) {
         unsigned char c = s.data[i];
         if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
@@ -102,14 +109,16 @@ static bool is_tag(struct span s) {
 
 // Refuses, quoting the span as far as a person needs it.
 static bool refuse(struct error *err, const char *code, struct span s,
-                   const char *why) {
+                   const char *why)
+{
     int shown = (int)utf8_cut(s, 40);
     return error_set(err, code, "", "\"%.*s%s\" %s", shown,
                      (const char *)s.data, (size_t)shown < s.size ? "..." : "",
                      why);
 }
 
-static bool check_bytes(struct span text, struct error *err) {
+static bool check_bytes(struct span text, struct error *err)
+{
     for (size_t i = 0; i < text.size; i++)
         if (text.data[i] < 0x20 || text.data[i] == 0x7f)
             return error_set(err, "syntax", "",
@@ -128,14 +137,16 @@ static bool check_bytes(struct span text, struct error *err) {
 }
 
 // Everything up to the next blank, or to the end.
-static struct span token(struct reader *r) {
+static struct span token(struct reader *r)
+{
     size_t from = r->at;
     while (r->at < r->in.size && r->in.data[r->at] != ' ')
         r->at++;
     return (struct span){r->in.data + from, r->at - from};
 }
 
-static bool hex4(struct reader *r, uint32_t *out) {
+static bool hex4(struct reader *r, uint32_t *out)
+{
     *out = 0;
     if (r->in.size - r->at < 4)
         return false;
@@ -155,7 +166,8 @@ static bool hex4(struct reader *r, uint32_t *out) {
 }
 
 // After "\u": one character, which may take a second "\uXXXX".
-static bool unicode(struct reader *r, uint32_t *out) {
+static bool unicode(struct reader *r, uint32_t *out)
+{
     uint32_t low;
     if (!hex4(r, out))
         return error_set(r->err, "syntax", "",
@@ -177,7 +189,8 @@ static bool unicode(struct reader *r, uint32_t *out) {
     return true;
 }
 
-static bool escape(struct reader *r, struct buf *store) {
+static bool escape(struct reader *r, struct buf *store)
+{
     unsigned char utf8[4];
     uint32_t c = 0;
     if (r->at == r->in.size)
@@ -208,7 +221,8 @@ static bool escape(struct reader *r, struct buf *store) {
 // After the opening quote.  What was unquoted goes to `store`, which is large
 // enough for the whole line, because unquoting never adds bytes: it does not
 // move while spans point into it.
-static bool quoted(struct reader *r, struct buf *store, struct span *out) {
+static bool quoted(struct reader *r, struct buf *store, struct span *out)
+{
     size_t from = store->size;
     for (;;) {
         if (r->at == r->in.size)
@@ -229,7 +243,8 @@ static bool quoted(struct reader *r, struct buf *store, struct span *out) {
     return true;
 }
 
-static bool value(struct reader *r, struct line *line, struct line_pair *pair) {
+static bool value(struct reader *r, struct line *line, struct line_pair *pair)
+{
     if (r->at < r->in.size && r->in.data[r->at] == '"') {
         r->at++;
         pair->quoted = true;
@@ -247,11 +262,13 @@ static bool value(struct reader *r, struct line *line, struct line_pair *pair) {
     return true;
 }
 
-static bool same(struct span a, struct span b) {
+static bool same(struct span a, struct span b)
+{
     return a.size == b.size && memcmp(a.data, b.data, a.size) == 0;
 }
 
-static bool pair(struct reader *r, struct line *line, struct span name) {
+static bool pair(struct reader *r, struct line *line, struct span name)
+{
     if (!is_name(name))
         return refuse(r->err, "syntax", name,
                       "is not a name of the form [a-z][a-z0-9_.]*");
@@ -273,7 +290,8 @@ static bool pair(struct reader *r, struct line *line, struct span name) {
     return true;
 }
 
-static bool word(struct reader *r, struct line *line, struct span text) {
+static bool word(struct reader *r, struct line *line, struct span text)
+{
     if (text.size == 0)
         return error_set(r->err, "syntax", "",
                          "one blank separates, and none ends a line");
@@ -290,7 +308,8 @@ static bool word(struct reader *r, struct line *line, struct span text) {
 }
 
 // One token after the verb.
-static bool item(struct reader *r, struct line *line) {
+static bool item(struct reader *r, struct line *line)
+{
     size_t from = r->at;
     size_t end = from;
     while (end < r->in.size && !strchr(" =\"", r->in.data[end]))
@@ -302,7 +321,8 @@ static bool item(struct reader *r, struct line *line) {
     return word(r, line, token(r));
 }
 
-static bool head(struct reader *r, struct line *line) {
+static bool head(struct reader *r, struct line *line)
+{
     struct span first = token(r);
     if (first.size > 0 && first.data[0] == '#') {
         struct span tag = {first.data + 1, first.size - 1};
@@ -329,7 +349,8 @@ static bool head(struct reader *r, struct line *line) {
     return true;
 }
 
-bool line_parse(struct line *line, struct span text, struct error *err) {
+bool line_parse(struct line *line, struct span text, struct error *err)
+{
     struct reader r = {text, 0, err};
     struct error later;
     line->tag = line->verb = (struct span){text.data, 0};
@@ -354,16 +375,19 @@ bool line_parse(struct line *line, struct span text, struct error *err) {
     return true;
 }
 
-void line_finish(struct line *line) {
+void line_finish(struct line *line)
+{
     buf_finish(&line->store);
 }
 
-bool line_is(struct span text, const char *want) {
+bool line_is(struct span text, const char *want)
+{
     size_t n = strlen(want);
     return text.size == n && memcmp(text.data, want, n) == 0;
 }
 
-const struct line_pair *line_pair(const struct line *line, const char *name) {
+const struct line_pair *line_pair(const struct line *line, const char *name)
+{
     for (int i = 0; i < line->pair_count; i++)
         if (line_is(line->pairs[i].name, name))
             return &line->pairs[i];

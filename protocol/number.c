@@ -8,18 +8,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-static size_t digits(struct span s, size_t at) {
+static size_t digits(struct span s, size_t at)
+{
     size_t n = 0;
     while (at + n < s.size && s.data[at + n] >= '0' && s.data[at + n] <= '9')
         n++;
     return n;
 }
 
-static bool sign_at(struct span s, size_t at) {
+static bool sign_at(struct span s, size_t at)
+{
     return at < s.size && (s.data[at] == '-' || s.data[at] == '+');
 }
 
-static bool well_formed(struct span s) {
+static bool well_formed(struct span s)
+{
     size_t at = sign_at(s, 0), n = digits(s, at);
     if (n == 0)
         return false;
@@ -41,7 +44,8 @@ static bool well_formed(struct span s) {
     return at == s.size;
 }
 
-bool number_parse(struct span text, double *out) {
+bool number_parse(struct span text, double *out)
+{
     char copy[NUMBER_TEXT_MAX + 1];
     if (text.size == 0 || text.size > NUMBER_TEXT_MAX || !well_formed(text))
         return false;
@@ -56,7 +60,8 @@ bool number_parse(struct span text, double *out) {
     return true;
 }
 
-bool number_parse_u64(struct span text, uint64_t max, uint64_t *out) {
+bool number_parse_u64(struct span text, uint64_t max, uint64_t *out)
+{
     uint64_t value = 0;
     if (text.size == 0 || digits(text, 0) != text.size)
         return false;
@@ -73,7 +78,8 @@ bool number_parse_u64(struct span text, uint64_t max, uint64_t *out) {
 // printf writes the decimal point of the locale that the process has chosen,
 // of one or more bytes, and exponents with a sign and two digits: "1,5e+07"
 // becomes "1.5e7".
-static size_t tidy(char *text) {
+static size_t tidy(char *text)
+{
     size_t to = 0;
     for (size_t i = 0; text[i]; i++) {
         char c = text[i];
@@ -95,11 +101,13 @@ static size_t tidy(char *text) {
 }
 
 // Whole numbers that are easily read keep all their digits: 1000, not 1e3.
-static bool plain_whole(double value, double below) {
+static bool plain_whole(double value, double below)
+{
     return value == trunc(value) && fabs(value) < below;
 }
 
-size_t number_print_float(char out[NUMBER_BUFFER], float value) {
+size_t number_print_float(char out[NUMBER_BUFFER], float value)
+{
     double back = 0;
     if (plain_whole((double)value, 1e7)) {
         snprintf(out, NUMBER_BUFFER, "%.0f", (double)value);
@@ -114,7 +122,8 @@ size_t number_print_float(char out[NUMBER_BUFFER], float value) {
     return strlen(out);
 }
 
-size_t number_print(char out[NUMBER_BUFFER], double value) {
+size_t number_print(char out[NUMBER_BUFFER], double value)
+{
     double back = 0;
     if (plain_whole(value, 1e15)) {
         snprintf(out, NUMBER_BUFFER, "%.0f", value);

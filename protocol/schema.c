@@ -14,14 +14,16 @@ static const char *const type_names[] = {
     [PARAMS_CHOICE] = "choice", [PARAMS_RGB] = "rgb", [PARAMS_VEC3] = "vec3",
 };
 
-static bool has_range(const struct params_row *row) {
+static bool has_range(const struct params_row *row)
+{
     return row->type != PARAMS_BOOL && row->type != PARAMS_CHOICE;
 }
 
 // --- JSON -------------------------------------------------------------------
 
 void schema_value(struct json *j, const struct params *p,
-                  const struct params_row *row) {
+                  const struct params_row *row)
+{
     double first = params_get(p, row, 0);
     if (isnan(first)) {
         json_string(j, "auto");
@@ -40,7 +42,8 @@ void schema_value(struct json *j, const struct params *p,
 }
 
 static void row_json(struct json *j, const struct params *defaults,
-                     const struct params_row *row) {
+                     const struct params_row *row)
+{
     struct buf name = {0};
     buf_printf(&name, "%s.%s", row->group_name, row->name);
     json_open_object(j);
@@ -65,7 +68,8 @@ static void row_json(struct json *j, const struct params *defaults,
     buf_finish(&name);
 }
 
-void schema_params(struct json *j) {
+void schema_params(struct json *j)
+{
     struct params defaults;
     params_defaults(&defaults);
     json_open_array(j);
@@ -77,7 +81,8 @@ void schema_params(struct json *j) {
 // --- text -------------------------------------------------------------------
 
 // What may be written there: "0.1 .. 60", "jpeg, png, exr", "on, off".
-static void legal(struct buf *out, const struct params_row *row) {
+static void legal(struct buf *out, const struct params_row *row)
+{
     char lo[NUMBER_BUFFER], hi[NUMBER_BUFFER];
     if (row->type == PARAMS_BOOL)
         buf_text(out, "on, off");
@@ -94,7 +99,8 @@ static void legal(struct buf *out, const struct params_row *row) {
 }
 
 static void table_row(struct buf *out, const struct params *defaults,
-                      const struct params_row *row) {
+                      const struct params_row *row)
+{
     buf_printf(out, "| `%s.%s` | %s | `", row->group_name, row->name,
                type_names[row->type]);
     edit_print(out, defaults, row);
@@ -109,7 +115,8 @@ static void table_row(struct buf *out, const struct params *defaults,
     buf_text(out, " |\n");
 }
 
-void schema_markdown(struct buf *out) {
+void schema_markdown(struct buf *out)
+{
     struct params defaults;
     params_defaults(&defaults);
     for (int r = 0; r < params_row_count; r++) {
@@ -126,7 +133,8 @@ void schema_markdown(struct buf *out) {
 }
 
 // Words of `text`, indented, broken before column COLUMNS.
-static void wrapped(struct buf *out, const char *text, size_t indent) {
+static void wrapped(struct buf *out, const char *text, size_t indent)
+{
     size_t column = 0;
     while (*text) {
         size_t word = strcspn(text, " ");
@@ -144,7 +152,8 @@ static void wrapped(struct buf *out, const char *text, size_t indent) {
 }
 
 // "fibre.eta   1.55   1.05 .. 3", and the unit.
-static void summary(struct buf *out, const struct params_row *row) {
+static void summary(struct buf *out, const struct params_row *row)
+{
     struct params defaults;
     struct buf name = {0}, value = {0};
     params_defaults(&defaults);
@@ -158,17 +167,20 @@ static void summary(struct buf *out, const struct params_row *row) {
     buf_finish(&value);
 }
 
-static void heading(struct buf *out, const char *title) {
+static void heading(struct buf *out, const char *title)
+{
     buf_printf(out, "%-22s %-18s %s\n", title, "default", "legal values");
 }
 
-void schema_help(struct buf *out, const struct params_row *row) {
+void schema_help(struct buf *out, const struct params_row *row)
+{
     heading(out, params_group_titles[row->group]);
     summary(out, row);
     wrapped(out, row->doc, 4);
 }
 
-void schema_help_all(struct buf *out) {
+void schema_help_all(struct buf *out)
+{
     for (int r = 0; r < params_row_count; r++) {
         const struct params_row *row = &params_rows[r];
         if (r == 0 || row->group != row[-1].group) {

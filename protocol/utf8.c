@@ -3,11 +3,13 @@
 
 #include <string.h>
 
-static bool follows(unsigned char c) {
+static bool follows(unsigned char c)
+{
     return (c & 0xc0) == 0x80;
 }
 
-size_t utf8_next(struct span text) {
+size_t utf8_next(struct span text)
+{
     const unsigned char *p = text.data;
     if (text.size == 0)
         return 0;
@@ -30,7 +32,8 @@ size_t utf8_next(struct span text) {
     return n;
 }
 
-bool utf8_valid(struct span text) {
+bool utf8_valid(struct span text)
+{
     while (text.size > 0) {
         size_t n = utf8_next(text);
         if (n == 0)
@@ -41,7 +44,8 @@ bool utf8_valid(struct span text) {
     return true;
 }
 
-size_t utf8_cut(struct span text, size_t limit) {
+size_t utf8_cut(struct span text, size_t limit)
+{
     if (text.size <= limit)
         return text.size;
     while (limit > 0 && follows(text.data[limit]))
@@ -49,7 +53,8 @@ size_t utf8_cut(struct span text, size_t limit) {
     return limit;
 }
 
-size_t utf8_put(unsigned char out[4], uint32_t c) {
+size_t utf8_put(unsigned char out[4], uint32_t c)
+{
     static const unsigned char first[] = {0, 0, 0xc0, 0xe0, 0xf0};
     size_t n = c < 0x80 ? 1 : c < 0x800 ? 2 : c < 0x10000 ? 3 : 4;
     for (size_t i = n - 1; i > 0; i--, c >>= 6)
