@@ -21,6 +21,7 @@
     F(COLORMASK, ColorMask)                                                    \
     F(DEPTHMASK, DepthMask)                                                    \
     F(DEPTHFUNC, DepthFunc)                                                    \
+    F(CLIPCONTROL, ClipControl)                                                \
     F(FINISH, Finish)                                                          \
     F(FLUSH, Flush)                                                            \
     F(DEBUGMESSAGECALLBACK, DebugMessageCallback)                              \

@@ -144,6 +144,9 @@ bool strands_build(struct strands *s, const struct groom *g,
     fill(s, g, p, position, strand);
     place_head(s, g, p->hair.scale);
     s->bytes = n * 20;
+    for (int c = 0; c < 3; c++)
+        s->plain_colour[c] = p->hair.use_colour ? g->default_colour[c] : 1;
+    s->plain_colour[3] = p->hair.use_opacity ? g->default_opacity : 1;
     bool ok = upload(&s->position, position, n * 16, "strand points", err) &&
               upload(&s->strand, strand, n * 4, "strand index", err) &&
               upload_optional(s, g, p, err);
@@ -274,6 +277,26 @@ bool strands_build_axis(struct strands *s, const struct groom *g,
     free(axis);
     s->bytes += ok ? (uint64_t)g->points * 4 : 0;
     return ok;
+}
+
+void strands_widths(struct strands *s, const struct camera *c, float scale)
+{
+    const float threshold = 0.7f; // THIN_BELOW of visible.vert
+    float nearest = INFINITY, farthest = -INFINITY;
+    for (int corner = 0; corner < 8; corner++) {
+        float depth = 0;
+        for (int k = 0; k < 3; k++)
+            depth += c->forward[k] *
+                     ((corner >> k & 1 ? s->box_max[k] : s->box_min[k]) -
+                      c->eye[k]);
+        nearest = fminf(nearest, depth);
+        farthest = fmaxf(farthest, depth);
+    }
+    // a margin of 1 %: float rounding must not lose a segment between the two
+    nearest = fmaxf(nearest, c->near);
+    s->draw_wide = s->diameter_max * scale / nearest >= 0.99f * threshold;
+    s->draw_thin =
+        s->diameter_min * scale / fmaxf(farthest, c->near) < 1.01f * threshold;
 }
 
 void strands_finish(struct strands *s)

@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include "protocol/params.h"
+#include "renderer/camera.h"
 #include "renderer/groom.h"
 
 struct strands { // zero-initialised is empty
@@ -19,6 +20,8 @@ struct strands { // zero-initialised is empty
     uint32_t points, strands;
     float diameter; // in use, file units (the largest where it varies)
     float diameter_min, diameter_max; // world
+    float plain_colour[4]; // rgb and opacity where there is no array
+    bool draw_thin, draw_wide; // set by strands_widths
     int up;         // axis taken as up
     float box_min[3], box_max[3]; // world, the head included
     bool has_head;
@@ -34,6 +37,9 @@ bool strands_build(struct strands *s, const struct groom *g,
 // Done only when an eccentric fibre asks for it.
 bool strands_build_axis(struct strands *s, const struct groom *g,
                         struct error *err);
+// Which of the two rasters a camera needs: some segment may be thinner or wider
+// than the threshold in pixels.  scale: pixels per (diameter / depth).
+void strands_widths(struct strands *s, const struct camera *c, float scale);
 void strands_finish(struct strands *s);
 
 #endif

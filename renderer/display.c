@@ -1,0 +1,108 @@
+// display.c - the last pass, and its read-back through a mapped buffer.
+#include "renderer/display.h"
+
+#include <string.h>
+
+#include "renderer/gl.h"
+#include "renderer/program.h"
+
+void display_init(struct display *d)
+{
+    memset(d, 0, sizeof *d);
+}
+
+static void drop_pixels(struct display *d)
+{
+    if (d->mapped)
+        gl.UnmapNamedBuffer(d->pixels);
+    gl.DeleteBuffers(1, &d->pixels);
+    d->pixels = 0;
+    d->mapped = NULL;
+    d->size = 0;
+}
+
+void display_forget_sky(struct display *d)
+{
+    gl.DeleteTextures(1, &d->sky);
+    d->sky = 0;
+    d->sky_of = NULL;
+}
+
+void display_finish(struct display *d)
+{
+    for (int i = 0; i < 3; i++)
+        gl.DeleteProgram(d->program[i]);
+    drop_pixels(d);
+    display_forget_sky(d);
+}
+
+static bool pixels(struct display *d, const struct params *p, struct error *err)
+{
+    size_t size = 4 * (size_t)p->image.width * (size_t)p->image.height;
+    if (size == d->size)
+        return true;
+    drop_pixels(d);
+    const GLbitfield how =
+        GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+    gl.CreateBuffers(1, &d->pixels);
+    gl.NamedBufferStorage(d->pixels, (GLsizeiptr)size, NULL,
+                          how | GL_CLIENT_STORAGE_BIT);
+    gl.ObjectLabel(GL_BUFFER, d->pixels, -1, "display");
+    d->mapped = gl.MapNamedBufferRange(d->pixels, 0, (GLsizeiptr)size, how);
+    if (!d->mapped)
+        return gl_check("display buffer", err) &&
+               error_set(err, "gpu", "display", "cannot map %zu bytes", size);
+    d->size = size;
+    return true;
+}
+
+static bool program(struct display *d, int background, struct error *err)
+{
+    static const char *const defines[3] = {"BACKGROUND_NONE", NULL,
+                                           "BACKGROUND_SKY"};
+    if (!d->program[background])
+        d->program[background] =
+            program_compute("display.comp", defines[background], err);
+    return d->program[background] != 0;
+}
+
+static void upload_sky(struct display *d, const struct sky_map *map)
+{
+    if (d->sky_of == map)
+        return;
+    display_forget_sky(d);
+    gl.CreateTextures(GL_TEXTURE_2D, 1, &d->sky);
+    gl.TextureStorage2D(d->sky, 1, GL_RGB16F, map->width, map->height);
+    gl.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    gl.TextureSubImage2D(d->sky, 0, 0, 0, map->width, map->height, GL_RGB,
+                         GL_FLOAT, map->rgb);
+    gl.TextureParameteri(d->sky, GL_TEXTURE_WRAP_S, GL_REPEAT);
+    gl.TextureParameteri(d->sky, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    gl.TextureParameteri(d->sky, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl.TextureParameteri(d->sky, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    d->sky_of = map;
+}
+
+bool display_draw(struct display *d, const struct params *p,
+                  const struct sky_map *map, int samples, struct error *err)
+{
+    const int background = p->view.background;
+    if (!pixels(d, p, err) || !program(d, background, err))
+        return false;
+    if (background == 2) {
+        upload_sky(d, map);
+        gl.BindTextureUnit(0, d->sky);
+    }
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 11, d->pixels);
+    gl.UseProgram(d->program[background]);
+    gl.ProgramUniform1f(d->program[background], 0,
+                        samples > 0 ? 1 / (float)samples : 0);
+    gl.DispatchCompute((GLuint)((d->size / 4 + 63) / 64), 1, 1);
+    gl.MemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+    return true;
+}
+
+void display_read(const struct display *d, struct buf *out)
+{
+    buf_append(out, d->mapped, d->size);
+}

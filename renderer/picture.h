@@ -1,0 +1,79 @@
+// picture.h - which point of which strand each pixel sees, and the samples'
+// sum: ids by raster, ids to cells, cells to a picture.
+//
+// A cell is about a pixel of a segment.  It is shaded once, whichever samples
+// see it, and its radiance depends on nothing but the cell: so the order of
+// threads does not matter, and a refined picture equals a fresh one bit for
+// bit.  Which cells a sample sees (its map) is kept as long as memory allows;
+// an edit of fibre or light then needs no raster at all.
+// Thread: render.
+#ifndef RENDERER_PICTURE_H
+#define RENDERER_PICTURE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "protocol/error.h"
+#include "protocol/params.h"
+#include "renderer/camera.h"
+#include "renderer/strands.h"
+
+enum { PICTURE_SCENE_BINDING = 1, PICTURE_SAMPLES_MAX = 4096 };
+
+struct picture {
+    int width, height;
+    unsigned id, depth, target;                // what the raster writes
+    unsigned keys, radiance, list, counts, map; // cells.glsl
+    unsigned sum, head;                        // accumulate.comp
+    unsigned scene;                            // uniform block
+    unsigned thin, wide, solid, cells, count, add; // programs
+    bool opacity_variant;
+    unsigned vertices; // an empty vertex array
+    uint32_t slots;    // of the hash table, a power of two
+    int maps;          // samples whose map is kept
+    int cache_mb;      // quality.cache_mb that all this was sized for
+    int seen;          // samples whose cells are listed
+    bool flushed;      // the list no longer begins with sample 0
+    uint32_t listed;   // entries of the list, as last read
+    uint32_t lost;     // pixels without a place in the table: 0
+    uint64_t target_bytes, cache_bytes;
+};
+
+struct picture_scene { // what the scene block is made of
+    const struct camera *camera;
+    const struct strands *strands;
+    const float *to_map; // 9, row-major
+    const float *mask;   // 3: R, TT, TRT
+};
+
+bool picture_init(struct picture *p, struct error *err);
+void picture_finish(struct picture *p);
+
+// Sizes everything for image.* and quality.*; forgets all cells.  False when
+// the device's buffers are too small for such a picture.
+bool picture_resize(struct picture *p, const struct params *params,
+                    struct error *err);
+void picture_forget(struct picture *p); // camera or strands changed
+void picture_restart(struct picture *p); // sample 0 comes next; cells stay
+
+// Does sample k still have to be rastered?
+bool picture_must_see(const struct picture *p, int k);
+// Uploads the scene block for sample k.
+void picture_scene(struct picture *p, const struct picture_scene *s, int k);
+// Raster and cells of sample k.
+bool picture_see(struct picture *p, const struct strands *s, int k,
+                 struct error *err);
+// Binds the cells and makes the dispatch for those that sample k sees first;
+// the caller then binds its program and calls picture_dispatch.
+void picture_prepare(struct picture *p, int k);
+void picture_dispatch(const struct picture *p);
+void picture_add(struct picture *p); // adds sample k, as prepared
+// Binds the sums for display_draw.
+void picture_bind(const struct picture *p);
+// After the GPU is done: reads the counters; returns how many cells the last
+// sample shaded.
+uint32_t picture_counters(struct picture *p);
+// Premultiplied linear RGBA, the mean over `samples`; 4 * width * height.
+void picture_read_sum(const struct picture *p, float *rgba, int samples);
+
+#endif

@@ -1,0 +1,133 @@
+// shading.c - chooses what a scene needs of the fibre's scattering.
+#include "renderer/shading.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "renderer/gl.h"
+#include "renderer/glsl.h"
+#include "renderer/lights.h"
+#include "renderer/program.h"
+
+enum { PARAMS_ROWS_MAX = 128 };
+
+void shading_init(struct shading *s)
+{
+    memset(s, 0, sizeof *s);
+    gl.CreateBuffers(1, &s->params);
+    gl.NamedBufferStorage(s->params, 16 * params_row_count, NULL,
+                          GL_DYNAMIC_STORAGE_BIT);
+    gl.ObjectLabel(GL_BUFFER, s->params, -1, "parameters");
+}
+
+void shading_finish(struct shading *s)
+{
+    for (int i = 0; i < SHADING_VARIANTS; i++)
+        gl.DeleteProgram(s->variant[i].program);
+    gl.DeleteBuffers(1, &s->params);
+    xu_tables_destroy(s->tables);
+    memset(s, 0, sizeof *s);
+}
+
+// Upper bound of what TT and TRT together can add, relative to R at normal
+// incidence.  Their internal path is at least 2 cos(gamma_t) >= 2 sqrt(1 -
+// 1/eta^2) radii per segment, with the smallest absorption of the three
+// channels (Xu 2011, eq 10); the fourth-order series of scheme `paper` (eq 18)
+// exceeds the exact attenuation by its own largest value, so both are taken.
+static double opaque_bound(const struct params *p)
+{
+    double eta = p->fibre.eta, a2 = p->fibre.a * p->fibre.a;
+    double s = fmin(p->fibre.sigma_a[0],
+                    fmin(p->fibre.sigma_a[1], p->fibre.sigma_a[2]));
+    double spread = fmax(a2, 1 / a2); // smallest eta*, Xu 2011, eq 24
+    double least = 2 * (eta - 1) / spread - eta + 2;
+    double low = fmax(fmin(eta, least), 1.0);
+    double exact = exp(-2 * s * sqrt(1 - 1 / (low * low)));
+    double series = exp(-2 * s) * (1 + s + (s / 4 + s * s / 2));
+    double f0 = pow((eta - 1) / (eta + 1), 2);
+    return fmax(exact, series) / f0;
+}
+
+static void variant_name(struct shading *s, const struct params *p,
+                         const struct strands *strands, char *out)
+{
+    const double negligible = 1e-4; // of R: below one 8-bit step by far
+    s->circular = !shading_wants_axis(p);
+    s->opaque_bound = opaque_bound(p);
+    s->opaque = s->opaque_bound < negligible;
+    snprintf(out, SHADING_DEFINES, "XU_M=%d%s%s%s%s", p->render.m,
+             p->render.nodes == 1 ? " XU_FINE_NODES" : "",
+             s->circular ? "" : " XU_ECCENTRIC",
+             s->opaque ? " XU_NO_TT_TRT" : "",
+             strands->colour ? " WITH_COLOUR" : "");
+}
+
+static bool choose(struct shading *s, const char *defines, struct error *err)
+{
+    struct shading_variant *oldest = &s->variant[0];
+    for (int i = 0; i < SHADING_VARIANTS; i++) {
+        struct shading_variant *v = &s->variant[i];
+        if (v->program && strcmp(v->defines, defines) == 0) {
+            v->age = ++s->clock;
+            s->program = v->program;
+            return true;
+        }
+        if (v->age < oldest->age)
+            oldest = v;
+    }
+    unsigned program = program_compute("shade.comp", defines, err);
+    if (!program)
+        return false;
+    gl.DeleteProgram(oldest->program);
+    snprintf(oldest->defines, sizeof oldest->defines, "%s", defines);
+    oldest->program = s->program = program;
+    oldest->age = ++s->clock;
+    return true;
+}
+
+bool shading_wants_axis(const struct params *p)
+{
+    return p->fibre.a != 1.0f;
+}
+
+static bool tables(struct shading *s, int times, struct error *err)
+{
+    if (s->tables && s->tables_times == times)
+        return true;
+    struct xu_tables *t = xu_tables_create(times, err);
+    if (!t)
+        return false;
+    xu_tables_destroy(s->tables);
+    s->tables = t;
+    s->tables_times = times;
+    return true;
+}
+
+bool shading_update(struct shading *s, const struct params *p,
+                    const struct strands *strands, struct error *err)
+{
+    char defines[SHADING_DEFINES];
+    variant_name(s, p, strands, defines);
+    if (!tables(s, p->render.tables, err) || !choose(s, defines, err))
+        return false;
+    const int shown = p->render.components; // all, R, TT, TRT
+    for (int i = 0; i < 3; i++)
+        s->mask[i] = shown == 0 || shown == i + 1;
+    float values[4 * PARAMS_ROWS_MAX];
+    glsl_params_values(p, values);
+    gl.NamedBufferSubData(s->params, 0, 16 * params_row_count, values);
+    return true;
+}
+
+void shading_bind(const struct shading *s, const struct strands *strands, int k)
+{
+    gl.UseProgram(s->program);
+    gl.ProgramUniform1ui(s->program, 0, (GLuint)k);
+    gl.BindBufferBase(GL_UNIFORM_BUFFER, GLSL_PARAMS_BINDING, s->params);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, strands->position);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, strands->strand);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, strands->colour);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, strands->axis);
+    xu_tables_bind(s->tables);
+}

@@ -1,0 +1,73 @@
+#version 450 core
+// Strands to the raster, without vertex attributes: a segment is read from the
+// points' buffer.  THIN draws lines and leaves wide segments to WIDE, which
+// draws camera-facing quads; both decide by the same number.
+#include "scene.glsl"
+
+#ifdef WITH_OPACITY
+layout(std430, binding = 2) readonly buffer Opacity { float opacity_of[]; };
+float opacity_at(uint i) { return opacity_of[i]; }
+#else
+float opacity_at(uint i) { return hair_colour.w; }
+#endif
+
+out float along;        // 0..1 on the segment
+out float keep;         // probability that this sample keeps the fragment
+flat out uint segment;
+
+// A line covers one pixel across its minor axis; below this width a strand's
+// keep probability stays under 1 for every slope.
+const float THIN_BELOW = 0.7;
+
+void main()
+{
+#ifdef WIDE
+    uint i = uint(gl_VertexID) / 6u, corner = uint(gl_VertexID) % 6u;
+    // two triangles: (0 1 2) (3 4 5) = near left, near right, far left;
+    // near right, far right, far left
+    bool end = corner == 2u || corner > 3u;
+    float side = corner == 1u || corner == 3u || corner == 4u ? 1.0 : -1.0;
+#else
+    uint i = uint(gl_VertexID) >> 1;
+    bool end = (gl_VertexID & 1) == 1;
+#endif
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // clipped away
+    along = end ? 1.0 : 0.0;
+    keep = 0.0;
+    segment = i;
+    vec4 p0 = points[i];
+    if (p0.w < 0.0)
+        return; // a strand's last point begins no segment
+    vec4 p1 = points[i + 1u];
+    vec4 c0 = clip_of(p0.xyz), c1 = clip_of(p1.xyz);
+    if (max(c0.w, c1.w) <= size.w)
+        return; // behind the eye
+    float d0 = p0.w, d1 = abs(p1.w);
+    float middle = (d0 + d1) * size.z / max(c0.w + c1.w, 2.0 * size.w);
+    vec4 c = end ? c1 : c0;
+    float width = (end ? d1 : d0) * size.z / max(c.w, size.w); // pixels
+    float opacity = opacity_at(end ? i + 1u : i);
+#ifdef WIDE
+    if (middle < THIN_BELOW)
+        return;
+    // Both quads that meet at a point use its own tangent: no gap between.
+    vec3 t = tangent_at(end ? i + 1u : i);
+    vec4 ct = view_proj * vec4(t, 0.0);
+    vec2 run = (ct.xy * c.w - c.xy * ct.w) * size.xy;
+    float n = dot(run, run);
+    vec2 across = n > 0.0 ? vec2(-run.y, run.x) * inversesqrt(n) : vec2(1, 0);
+    c.xy += side * width * across / size.xy * c.w;
+    keep = opacity;
+#else
+    if (middle >= THIN_BELOW)
+        return;
+    // A line makes max(|dx|, |dy|) fragments where a ribbon covers
+    // width x length pixels: the quotient is the share to keep.
+    vec2 run = abs(pixel_of(c1) - pixel_of(c0));
+    float longest = max(run.x, run.y);
+    float slope = longest > 0.0 ? length(run) / longest : 1.0;
+    keep = min(width * slope, 1.0) * opacity;
+#endif
+    c.xy += jitter.xy * c.w;
+    gl_Position = c;
+}
