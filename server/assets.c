@@ -31,8 +31,7 @@ bool assets_roots_add(struct assets_roots *roots, const char *path,
         return error_set(err, "file", path, "--root %s: %s", path,
                          strerror(errno));
     size_t count = (size_t)roots->count;
-    roots->item =
-        bytes_realloc(roots->item, (count + 1) * sizeof *roots->item);
+    roots->item = bytes_realloc(roots->item, (count + 1) * sizeof *roots->item);
     size_t size = strlen(path);
     while (size > 1 && path[size - 1] == '/')
         size--;
@@ -86,11 +85,11 @@ static int open_below(const struct assets_roots *roots, const char *name,
         const char *rest = below(&roots->item[i], name);
         if (!rest)
             continue;
-        struct open_how how = {
-            .flags = O_RDONLY | O_CLOEXEC | O_NONBLOCK,
-            .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
-        long fd = syscall(SYS_openat2, roots->item[i].fd, rest, &how,
-                          sizeof how);
+        struct open_how how = {.flags = O_RDONLY | O_CLOEXEC | O_NONBLOCK,
+                               .resolve =
+                                   RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
+        long fd =
+            syscall(SYS_openat2, roots->item[i].fd, rest, &how, sizeof how);
         if (fd >= 0)
             return (int)fd;
         if (errno != ENOENT)
@@ -100,8 +99,10 @@ static int open_below(const struct assets_roots *roots, const char *name,
         error_set(err, "denied", name,
                   "%s: this kernel cannot confine a path (openat2)", name);
     else if (why == EXDEV)
-        error_set(err, "denied", name, "%s: outside of the directories that "
-                  "are open to clients (--root)", name);
+        error_set(err, "denied", name,
+                  "%s: outside of the directories that "
+                  "are open to clients (--root)",
+                  name);
     else
         error_set(err, "file", name, "%s: %s", name, strerror(why));
     return -1;
@@ -204,8 +205,8 @@ bool assets_hair_load(struct assets_hair *h, const char *name,
     unsigned char sha[32];
     const char *own = builtin(name);
     *h = (struct assets_hair){0};
-    h->groom = own ? groom_builtin(own, err)
-                   : groom_from_file(name, roots, sha, err);
+    h->groom =
+        own ? groom_builtin(own, err) : groom_from_file(name, roots, sha, err);
     if (!h->groom)
         return false;
     if (own)

@@ -11,7 +11,7 @@
 #include "protocol/error.h"
 #include "renderer/groom.h"
 #include "renderer/sky.h"
-#include "server/picture.h"
+#include "server/still.h"
 
 // Directories below which clients may name files.
 struct assets_roots { // zero-initialised: none
@@ -24,18 +24,18 @@ void assets_roots_finish(struct assets_roots *roots);
 
 struct assets_hair {
     struct groom *groom;
-    struct picture_source source;
+    struct still_source source;
     uint32_t strands, points;
 };
 struct assets_sky {
     struct sky_map *map;
-    struct picture_source source;
+    struct still_source source;
     int width, height;
 };
 
-// roots == NULL: `name` is "builtin:NAME" or any path.  Otherwise "builtin:NAME"
-// or a path below one of the roots: relative to it, or beginning with the
-// root's own path; symbolic links that lead out of it are refused.
+// roots == NULL: `name` is "builtin:NAME" or any path.  Otherwise
+// "builtin:NAME" or a path below one of the roots: relative to it, or beginning
+// with the root's own path; symbolic links that lead out of it are refused.
 bool assets_hair_load(struct assets_hair *h, const char *name,
                       const struct assets_roots *roots, struct error *err);
 bool assets_sky_load(struct assets_sky *s, const char *name,

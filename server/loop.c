@@ -28,8 +28,7 @@ struct loop {
 static void wake_ready(struct loop_source *s, uint32_t events)
 {
     (void)events;
-    struct loop *l =
-        (struct loop *)((char *)s - offsetof(struct loop, wake));
+    struct loop *l = (struct loop *)((char *)s - offsetof(struct loop, wake));
     uint64_t count;
     if (read(s->fd, &count, sizeof count) > 0 && l->woken)
         l->woken(l->woken_ctx);
@@ -41,8 +40,7 @@ struct loop *loop_create(struct error *err)
     l->wake.fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     l->wake.ready = wake_ready;
     l->epoll = epoll_create1(EPOLL_CLOEXEC);
-    if (l->epoll >= 0 && l->wake.fd >= 0 &&
-        loop_watch(l, &l->wake, EPOLLIN))
+    if (l->epoll >= 0 && l->wake.fd >= 0 && loop_watch(l, &l->wake, EPOLLIN))
         return l;
     error_set(err, "system", "", "no event loop: %s", strerror(errno));
     loop_destroy(l);
@@ -124,8 +122,8 @@ void loop_timer_set(struct loop *l, struct loop_timer *t, int64_t at)
     if (!t->place) {
         if (l->heap_size == l->heap_cap) {
             l->heap_cap = l->heap_cap ? 2 * l->heap_cap : 64;
-            l->heap = bytes_realloc(
-                l->heap, (size_t)l->heap_cap * sizeof(struct loop_timer *));
+            l->heap = bytes_realloc(l->heap, (size_t)l->heap_cap *
+                                                 sizeof(struct loop_timer *));
         }
         put(l, l->heap_size++, t);
     }

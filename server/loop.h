@@ -21,8 +21,8 @@ struct loop_source {
 
 struct loop_timer { // zero-initialised, then .fire set: at rest
     void (*fire)(struct loop_timer *t);
-    int64_t at;  // private: microseconds of clock_us
-    int place;   // private: 1 + place in the heap; 0 at rest
+    int64_t at; // private: microseconds of clock_us
+    int place;  // private: 1 + place in the heap; 0 at rest
 };
 
 struct loop;

@@ -114,8 +114,8 @@ static bool take_own(const struct options_row *row, const char *value,
                          whole ? "a whole" : "a");
     if (!(v >= row->min && v <= row->max))
         return error_set(err, "range", row->name,
-                         "--%s: %.60s is not within [%g, %g]", row->name,
-                         value, row->min, row->max);
+                         "--%s: %.60s is not within [%g, %g]", row->name, value,
+                         row->min, row->max);
     if (whole)
         *(int *)row->to = (int)v;
     else

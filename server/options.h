@@ -36,8 +36,8 @@ enum options_type {
     OPTIONS_LIST  // struct options_list *: repeatable
 };
 
-struct options_row { // an option of one verb; a table ends with name = NULL
-    const char *name;  // "listen", on the command line --listen
+struct options_row {  // an option of one verb; a table ends with name = NULL
+    const char *name; // "listen", on the command line --listen
     enum options_type type;
     void *to;          // keeps what it holds when the option is not given
     double min, max;   // of OPTIONS_INT and OPTIONS_REAL
@@ -46,19 +46,19 @@ struct options_row { // an option of one verb; a table ends with name = NULL
 };
 
 struct options_verb {
-    const char *name;  // "render"
-    const char *about; // one line
-    unsigned takes;    // OPTIONS_HAIR | ...
+    const char *name;               // "render"
+    const char *about;              // one line
+    unsigned takes;                 // OPTIONS_HAIR | ...
     const struct options_row *rows; // own options, or NULL
-    const char *args;  // "[NAME=VALUE ...]" in the help; NULL: takes none
+    const char *args; // "[NAME=VALUE ...]" in the help; NULL: takes none
 };
 
 struct options {
     const char *hair; // "builtin:ponytail" unless given
     const char *env;  // "builtin:studio" unless given
     bool hair_given, env_given;
-    const char *out;      // NULL unless given
-    struct params params; // defaults, then --set and --size in order
+    const char *out;          // NULL unless given
+    struct params params;     // defaults, then --set and --size in order
     struct options_list args; // words that are no options
 };
 

@@ -104,8 +104,7 @@ enum outbox_result outbox_write(struct outbox *o, int fd, size_t *wrote)
         size_t offset = o->offset;
         for (struct outbox_item *i = o->first; i && n < PIECES; i = i->next) {
             struct span s = bytes_of(i);
-            v[n++] = (struct iovec){(void *)(s.data + offset),
-                                    s.size - offset};
+            v[n++] = (struct iovec){(void *)(s.data + offset), s.size - offset};
             offset = 0;
         }
         struct msghdr m = {.msg_iov = v, .msg_iovlen = (size_t)n};

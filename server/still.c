@@ -1,6 +1,6 @@
-// picture.c - reads pixels, gathers the state as text, calls the encoder.
+// still.c - reads pixels, gathers the state as text, calls the encoder.
 // Policy (which encoding when) is elsewhere.
-#include "server/picture.h"
+#include "server/still.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -10,9 +10,9 @@
 #include "server/clock.h"
 #include "server/version.h"
 
-struct picture_encoding picture_encoding_of(const struct params *p)
+struct still_encoding still_encoding_of(const struct params *p)
 {
-    return (struct picture_encoding){
+    return (struct still_encoding){
         .format = p->output.format,
         .quality = p->output.quality,
         .chroma = p->output.chroma,
@@ -20,22 +20,22 @@ struct picture_encoding picture_encoding_of(const struct params *p)
     };
 }
 
-const char *picture_format_name(int format)
+const char *still_format_name(int format)
 {
     static const char *const names[] = {"jpeg", "png", "exr"};
     return names[format];
 }
 
-bool picture_encoding_same(const struct picture_encoding *a,
-                           const struct picture_encoding *b)
+bool still_encoding_same(const struct still_encoding *a,
+                         const struct still_encoding *b)
 {
     if (a->format != b->format)
         return false;
     switch (a->format) {
-    case PICTURE_JPEG:
+    case STILL_JPEG:
         return a->quality == b->quality &&
                (a->quality == 0 || a->chroma == b->chroma);
-    case PICTURE_EXR:
+    case STILL_EXR:
         return a->depth == b->depth;
     default:
         return true;
@@ -55,7 +55,7 @@ static void add(struct state_text *t, const char *key, const char *value)
     buf_append(&t->text, value, strlen(value) + 1);
 }
 
-static void state_text(struct state_text *t, const struct picture_state *s)
+static void state_text(struct state_text *t, const struct still_state *s)
 {
     add(t, "glintd", VERSION_PROGRAM);
     add(t, "device", s->device);
@@ -85,11 +85,11 @@ static void state_text_finish(struct state_text *t)
 }
 
 static bool encode(struct buf *out, const struct buf *pixels,
-                   const struct picture_request *q, struct error *err)
+                   const struct still_request *q, struct error *err)
 {
     const struct params *p = q->state->params;
     int width = p->image.width, height = p->image.height;
-    if (q->how.format == PICTURE_JPEG) {
+    if (q->how.format == STILL_JPEG) {
         encode_jpeg(out, pixels->data, width, height, q->how.quality,
                     (enum encode_chroma)q->how.chroma);
         return true;
@@ -98,24 +98,24 @@ static bool encode(struct buf *out, const struct buf *pixels,
     if (q->with_state)
         state_text(&t, q->state);
     bool ok = true;
-    if (q->how.format == PICTURE_PNG) {
+    if (q->how.format == STILL_PNG) {
         encode_png(out, pixels->data, width, height, true, t.list);
     } else {
         struct encode_layer layer = {"", (const float *)pixels->data, true};
-        struct encode_exr e = {width, height, q->how.depth == PICTURE_HALF,
-                               &layer, 1, t.list};
+        struct encode_exr e = {width,  height, q->how.depth == STILL_HALF,
+                               &layer, 1,      t.list};
         ok = encode_exr(out, &e, err);
     }
     state_text_finish(&t);
     return ok;
 }
 
-bool picture_encode(struct buf *out, struct renderer *r,
-                    struct picture_request *request, struct error *err)
+bool still_encode(struct buf *out, struct renderer *r,
+                  struct still_request *request, struct error *err)
 {
     struct buf pixels = {0};
     int64_t began = clock_us();
-    bool ok = request->how.format == PICTURE_EXR
+    bool ok = request->how.format == STILL_EXR
                   ? renderer_read_linear(r, &pixels, err)
                   : renderer_read_display(r, &pixels, err);
     int64_t read = clock_us();

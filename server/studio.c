@@ -1,0 +1,271 @@
+// studio.c - decides what the renderer does next for viewers, and when a
+// picture is worth encoding: the first sample of a new state, then at 4, 16,
+// 64 ... samples, and when it is final.
+#include "server/studio.h"
+
+#include <string.h>
+
+#include "renderer/encode.h"
+#include "server/clock.h"
+
+// What changes these leaves the picture's samples as they are (renderer.h).
+#define KEEPS_PICTURE (1u << GROUP_view | 1u << GROUP_output)
+
+bool studio_set_hair(struct studio *s, struct assets_hair *h, struct error *err)
+{
+    struct groom *g = h->groom;
+    h->groom = NULL;
+    if (!renderer_set_groom(s->renderer, g, err))
+        return false;
+    s->hair = h->source;
+    s->samples = 0;
+    s->done = false;
+    s->failed_revision = 0;
+    return true;
+}
+
+bool studio_set_sky(struct studio *s, struct assets_sky *m, struct error *err)
+{
+    struct sky_map *map = m->map;
+    m->map = NULL;
+    if (!renderer_set_sky(s->renderer, map, err))
+        return false;
+    s->env = m->source;
+    s->samples = 0;
+    s->done = false;
+    s->failed_revision = 0;
+    return true;
+}
+
+bool studio_open(struct studio *s, const char *cache_dir,
+                 struct assets_hair *hair, struct assets_sky *sky,
+                 struct error *err)
+{
+    *s = (struct studio){0};
+    params_defaults(&s->set);
+    s->renderer = renderer_create(cache_dir, err);
+    if (!s->renderer)
+        return false;
+    renderer_set_params(s->renderer, &s->set);
+    return studio_set_hair(s, hair, err) && studio_set_sky(s, sky, err);
+}
+
+void studio_close(struct studio *s)
+{
+    renderer_destroy(s->renderer);
+    s->renderer = NULL;
+}
+
+static void set(struct studio *s, const struct params *p)
+{
+    if (params_changed(&s->set, p) & ~KEEPS_PICTURE) {
+        s->samples = 0;
+        s->done = false;
+    }
+    renderer_set_params(s->renderer, p);
+    s->set = *p;
+}
+
+bool studio_step(struct studio *s, bool *done, struct error *err)
+{
+    *done = s->done;
+    if (s->done)
+        return true;
+    int64_t began = clock_us();
+    bool ok = renderer_step(s->renderer, &s->done, err);
+    s->render_ms += (double)(clock_us() - began) / 1e3;
+    s->stepped = true;
+    s->steps++;
+    if (!ok) {
+        s->done = false;
+        return false;
+    }
+    struct renderer_stats stats;
+    renderer_stats(s->renderer, &stats);
+    s->samples = stats.samples;
+    *done = s->done;
+    return true;
+}
+
+// --- viewers ----------------------------------------------------------------
+// The samples of the newest moment that is worth a frame; 0: none yet.
+static int milestone(const struct studio *s)
+{
+    if (s->done)
+        return s->samples;
+    int m = 1;
+    while (m * 4 <= s->samples)
+        m *= 4;
+    return s->samples > 0 ? m : 0;
+}
+
+static bool in_haste(const struct studio_wish *w, int64_t now)
+{
+    return w->received_us > 0 && now < w->received_us + STUDIO_HASTE_US;
+}
+
+static bool due(const struct studio *s, const struct studio_wish *w,
+                const struct studio_demand *d, int64_t now)
+{
+    int reached = milestone(s);
+    if (reached == 0)
+        return false;
+    return d->revision != s->live_revision || d->samples < reached ||
+           (d->hasty && s->done && !in_haste(w, now));
+}
+
+bool studio_wants(const struct studio *s, const struct studio_wish *w,
+                  int64_t now, int64_t *until)
+{
+    *until = INT64_MAX;
+    if (w->viewers == 0 || s->failed_revision == w->revision)
+        return false;
+    if (w->revision != s->live_revision)
+        return w->demand_count > 0;
+    if (s->live && !s->done)
+        return true;
+    for (int i = 0; i < w->demand_count; i++) {
+        const struct studio_demand *d = &w->demand[i];
+        // After a capture at another size the live picture is made again
+        // only for a viewer that lacks something.
+        bool lacks = d->revision != s->live_revision ||
+                     d->samples < s->set.quality.samples;
+        if (s->live ? due(s, w, d, now)
+                    : lacks || (d->hasty && !in_haste(w, now)))
+            return true;
+        if (d->hasty)
+            *until = w->received_us + STUDIO_HASTE_US;
+    }
+    return false;
+}
+
+bool studio_turn(struct studio *s, const struct studio_wish *w,
+                 struct error *err)
+{
+    if (w->revision != s->live_revision || !s->live) {
+        s->render_ms = 0;
+        s->stepped = false;
+        set(s, &w->params);
+        s->live_revision = w->revision;
+        s->live = true;
+    }
+    bool done;
+    if (studio_step(s, &done, err))
+        return true;
+    s->failed_revision = w->revision;
+    return false;
+}
+
+static struct still_encoding resolve(const struct still_encoding *how,
+                                     bool haste)
+{
+    struct still_encoding e = *how;
+    if (e.format == STILL_JPEG && e.quality == 0) {
+        e.quality = haste ? STUDIO_HASTE_QUALITY : STUDIO_REST_QUALITY;
+        e.chroma = haste ? ENCODE_420 : ENCODE_444;
+    }
+    return e;
+}
+
+static void stages(const struct studio *s, double ms[RENDERER_STAGES])
+{
+    struct renderer_stats stats;
+    renderer_stats(s->renderer, &stats);
+    for (int i = 0; i < RENDERER_STAGES; i++) {
+        // Without a step since the last frame only these ran.
+        bool ran = s->stepped || i == RENDERER_DISPLAY || i == RENDERER_READ;
+        ms[i] = ran ? stats.stage_ms[i] : -1;
+    }
+}
+
+static bool make(struct studio *s, struct still_request *q,
+                 struct studio_frame *f, struct error *err)
+{
+    struct buf bytes = {0};
+    bool ok = still_encode(&bytes, s->renderer, q, err);
+    if (ok) {
+        f->bytes = blob_from(bytes.data, bytes.size);
+        f->used = q->how;
+        f->width = q->state->params->image.width;
+        f->height = q->state->params->image.height;
+        f->samples = s->samples;
+        f->final = s->done;
+        f->render_ms = s->render_ms;
+        f->encode_ms = q->encode_ms;
+        stages(s, f->stage_ms);
+    }
+    buf_finish(&bytes);
+    return ok;
+}
+
+bool studio_publish(struct studio *s, const struct studio_wish *w, int64_t now,
+                    struct studio_frame *out, int *count, struct error *err)
+{
+    bool haste = in_haste(w, now);
+    struct still_state state = {.params = &s->set};
+    *count = 0;
+    if (!s->live)
+        return true;
+    for (int i = 0; i < w->demand_count; i++) {
+        const struct studio_demand *d = &w->demand[i];
+        if (!due(s, w, d, now))
+            continue;
+        struct still_request q = {.state = &state,
+                                  .how = resolve(&d->how, haste)};
+        struct studio_frame *f = &out[*count];
+        *f = (struct studio_frame){
+            .asked = d->how,
+            .revision = s->live_revision,
+            .received_us = w->received_us,
+            .hasty =
+                haste && d->how.format == STILL_JPEG && d->how.quality == 0,
+        };
+        if (!make(s, &q, f, err)) {
+            s->failed_revision = w->revision;
+            return false;
+        }
+        ++*count;
+    }
+    if (*count > 0) {
+        s->render_ms = 0;
+        s->stepped = false;
+    }
+    return true;
+}
+
+void studio_served(struct studio_demand *d, const struct studio_frame *f)
+{
+    d->revision = f->revision;
+    d->samples = f->samples;
+    d->hasty = f->hasty;
+}
+
+// --- captures ---------------------------------------------------------------
+void studio_capture_begin(struct studio *s, const struct params *p,
+                          const struct studio_wish *w)
+{
+    bool same = params_changed(p, &w->params) == 0;
+    if (!same || w->revision != s->live_revision || !s->live) {
+        s->render_ms = 0;
+        s->stepped = false;
+    }
+    set(s, p);
+    s->live = same;
+    if (same)
+        s->live_revision = w->revision;
+}
+
+bool studio_capture_end(struct studio *s, const struct still_encoding *how,
+                        uint64_t revision, struct studio_frame *out,
+                        struct error *err)
+{
+    struct still_state state = {
+        .params = &s->set,
+        .hair = s->hair,
+        .env = s->env,
+        .device = renderer_device(s->renderer),
+    };
+    struct still_request q = {.state = &state, .how = *how, .with_state = true};
+    *out = (struct studio_frame){.asked = *how, .revision = revision};
+    return make(s, &q, out, err);
+}
