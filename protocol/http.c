@@ -206,7 +206,9 @@ enum http_result http_parse(struct http_request *r, struct span in)
     r->header_count = r->status = 0;
     r->has_body = r->keep_alive = false;
     r->why = NULL;
-    if (in.size > 0 && target_too_long(in))
+    if (in.size == 0)
+        return HTTP_MORE;
+    if (target_too_long(in))
         return bad(r, 414, "the target is longer than 2048 bytes");
     for (int n = 0;; n++) {
         enum http_result result = next_line(r, in, &at, &line);

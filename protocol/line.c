@@ -351,8 +351,10 @@ static bool head(struct reader *r, struct line *line)
 
 bool line_parse(struct line *line, struct span text, struct error *err)
 {
-    struct reader r = {text, 0, err};
     struct error later;
+    if (text.size == 0) // no arithmetic on a NULL
+        text.data = (const unsigned char *)"";
+    struct reader r = {text, 0, err};
     line->tag = line->verb = (struct span){text.data, 0};
     line->word_count = line->pair_count = 0;
     buf_clear(&line->store);

@@ -75,65 +75,75 @@ bool number_parse_u64(struct span text, uint64_t max, uint64_t *out)
     return true;
 }
 
-// printf writes the decimal point of the locale that the process has chosen,
-// of one or more bytes, and exponents with a sign and two digits: "1,5e+07"
-// becomes "1.5e7".
-static size_t tidy(char *text)
+// The significant digits of a number and where its point is: 0.d1d2... x 10^e.
+struct decimal {
+    char digit[20];
+    int count, exponent;
+    bool negative;
+};
+
+// From printf's "-1.5e-07".  Its decimal point, of one byte or more, is that
+// of the locale which the process has chosen: whatever is no digit is skipped.
+static void read_decimal(struct decimal *d, const char *text)
 {
-    size_t to = 0;
-    for (size_t i = 0; text[i]; i++) {
-        char c = text[i];
-        if (strchr("0123456789-e", c)) {
-            text[to++] = c;
-        } else if (c != '+' && (to == 0 || text[to - 1] != '.')) {
-            text[to++] = '.';
-        }
-        if (c == 'e') {
-            if (text[i + 1] == '-')
-                text[to++] = '-';
-            i++; // the sign, which printf always writes
-            while (text[i + 1] == '0' && text[i + 2])
-                i++;
-        }
-    }
-    text[to] = 0;
-    return to;
+    const char *e = strchr(text, 'e');
+    *d = (struct decimal){.negative = text[0] == '-'};
+    for (const char *c = text; c < e; c++)
+        if (*c >= '0' && *c <= '9')
+            d->digit[d->count++] = *c;
+    d->exponent = atoi(e + 1) + 1;
 }
 
-// Whole numbers that are easily read keep all their digits: 1000, not 1e3.
-static bool plain_whole(double value, double below)
+// Plain where a person would write it so, else with an exponent.
+static size_t lay_out(const struct decimal *d, char out[NUMBER_BUFFER])
 {
-    return value == trunc(value) && fabs(value) < below;
+    const char *sign = d->negative ? "-" : "";
+    int whole = d->exponent, n = d->count;
+    int length;
+    if (whole > 0 && whole <= 21 && n <= whole) // 1200
+        length = snprintf(out, NUMBER_BUFFER, "%s%.*s%.*s", sign, n, d->digit,
+                          whole - n, "00000000000000000000");
+    else if (whole > 0 && whole <= 21) // 12.5
+        length = snprintf(out, NUMBER_BUFFER, "%s%.*s.%.*s", sign, whole,
+                          d->digit, n - whole, d->digit + whole);
+    else if (whole <= 0 && whole > -6) // 0.00125
+        length = snprintf(out, NUMBER_BUFFER, "%s0.%.*s%.*s", sign, -whole,
+                          "000000", n, d->digit);
+    else // 1.25e-30
+        length =
+            snprintf(out, NUMBER_BUFFER, "%s%c%s%.*se%d", sign, d->digit[0],
+                     n > 1 ? "." : "", n - 1, d->digit + 1, whole - 1);
+    return (size_t)length;
+}
+
+// With `precision` significant digits; returns what reads back.
+static double print_with(int precision, double value, char out[NUMBER_BUFFER],
+                         size_t *length)
+{
+    char raw[64];
+    double back = 0;
+    struct decimal d;
+    snprintf(raw, sizeof raw, "%.*e", precision - 1, value);
+    read_decimal(&d, raw);
+    *length = lay_out(&d, out);
+    number_parse((struct span){(const unsigned char *)out, *length}, &back);
+    return back;
 }
 
 size_t number_print_float(char out[NUMBER_BUFFER], float value)
 {
-    double back = 0;
-    if (plain_whole((double)value, 1e7)) {
-        snprintf(out, NUMBER_BUFFER, "%.0f", (double)value);
-        return strlen(out);
-    }
-    for (int precision = 1; precision <= 9; precision++) {
-        snprintf(out, NUMBER_BUFFER, "%.*g", precision, (double)value);
-        struct span text = {(const unsigned char *)out, tidy(out)};
-        if (number_parse(text, &back) && (float)back == value)
+    size_t length = 0;
+    for (int precision = 1; precision <= 9; precision++)
+        if ((float)print_with(precision, (double)value, out, &length) == value)
             break;
-    }
-    return strlen(out);
+    return length;
 }
 
 size_t number_print(char out[NUMBER_BUFFER], double value)
 {
-    double back = 0;
-    if (plain_whole(value, 1e15)) {
-        snprintf(out, NUMBER_BUFFER, "%.0f", value);
-        return strlen(out);
-    }
-    for (int precision = 1; precision <= 17; precision++) {
-        snprintf(out, NUMBER_BUFFER, "%.*g", precision, value);
-        struct span text = {(const unsigned char *)out, tidy(out)};
-        if (number_parse(text, &back) && back == value)
+    size_t length = 0;
+    for (int precision = 1; precision <= 17; precision++)
+        if (print_with(precision, value, out, &length) == value)
             break;
-    }
-    return strlen(out);
+    return length;
 }

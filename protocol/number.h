@@ -23,9 +23,10 @@ bool number_parse(struct span text, double *out);
 // The whole of `text` as digits only, at most `max`.
 bool number_parse_u64(struct span text, uint64_t max, uint64_t *out);
 
-// The shortest decimal that number_parse reads back as the same float (after
-// rounding to float) or double.  `value` is finite.  -0 prints "-0".  Both
-// return the length.
+// The decimal with the fewest significant digits that number_parse reads back
+// as the same float (after rounding to float) or double; without an exponent
+// from 1e-6 up to below 1e21.  `value` is finite.  -0 prints "-0".  Both return
+// the length.
 size_t number_print_float(char out[NUMBER_BUFFER], float value);
 size_t number_print(char out[NUMBER_BUFFER], double value);
 
