@@ -1,0 +1,372 @@
+// app.js - joins the wire, the panel and the picture.  The server's state is
+// the truth; `values` is its mirror with the edits that are on their way.
+import { assignments, capture, connect } from "./link.js";
+import { build, h, same } from "./panel.js";
+import { hand, orbit, pan, screen, zoom } from "./view.js";
+
+const $ = (id) => document.getElementById(id);
+const pick = (from, test) =>
+  Object.fromEntries(Object.entries(from).filter(([k, v]) => test(k, v)));
+const LOOK = /^(hair|fibre|sky|light|tint|render|view)\./; // what A and B hold
+const OPEN = ["fibre", "light", "tint", "view"]; // groups, at first
+
+let panel, schema;  // the schema as text, to see whether it changed
+let defaults = {};
+let values = {};    // null is auto
+let revision = 0;   // the newest known of
+let used = {};      // what the renderer takes for `auto` values
+let frame = null;   // header of the one shown
+let stats = null;   // the last reply of that name
+
+let hush = 0;
+function say(text, wrong = false, stay = wrong) {
+  clearTimeout(hush);
+  $("say").textContent = text;
+  $("say").classList.toggle("wrong", wrong);
+  hush = stay ? 0 : setTimeout(() => say(""), 5000);
+}
+const report = (error) => error.code === "offline" || say(error.message, true);
+
+// What the page remembers of itself; never anything of the state.
+function remember(key, on) {
+  try {
+    if (on !== undefined)
+      localStorage[key] = +on;
+    return localStorage[key] && localStorage[key] === "1";
+  } catch { // storage is forbidden
+    return on;
+  }
+}
+const open = (group, on) => remember("open." + group, on) ?? OPEN.includes(group);
+
+// --- edits: all of one animation frame are one request -----------------------
+let pending = {};   // not sent yet
+let asked = false;  // for an animation frame
+let flying = 0;     // sent and not answered
+let seq = 0;
+const past = [], future = []; // steps { names, before, after, time }
+
+function note(edit) {
+  const names = Object.keys(edit).join(), time = performance.now();
+  let step = past.at(-1);
+  if (step?.names !== names || time - step.time > 700)
+    past.push(step = { names, before: pick(values, (k) => k in edit), after: {} });
+  Object.assign(step, { time, after: { ...edit } });
+  future.length = 0;
+}
+
+function set(edit, noted) {
+  if (!link.isUp())
+    return say("not connected: nothing was changed", true);
+  if (!noted)
+    note(edit);
+  Object.assign(pending, edit);
+  show(edit);
+  if (!asked)
+    requestAnimationFrame(flush);
+  asked = true;
+}
+
+async function flush() {
+  const line = assignments(pending);
+  asked = false;
+  pending = {};
+  flying++;
+  try {
+    const now = Math.round(performance.now());
+    const reply = await link.ask(`set ${line} seq=${++seq} echo=${now}`);
+    revision = Math.max(revision, reply.revision);
+    panel.wrong();
+    if ($("say").classList.contains("wrong"))
+      say("");
+  } catch (error) {
+    report(error);
+    panel.wrong(error.name);
+    past.pop();
+    refresh(true);
+  }
+  flying--;
+}
+
+function step(from, to, side) {
+  const edit = from.pop();
+  to.push({ ...edit, time: 0 });
+  set(edit[side], true);
+}
+const undo = () => past.length && step(past, future, "before");
+const redo = () => future.length && step(future, past, "after");
+
+function show(some) {
+  Object.assign(values, some);
+  panel.show(some);
+  $("undo").disabled = !past.length;
+  $("redo").disabled = !future.length;
+}
+
+// --- the server's state ------------------------------------------------------
+const tidy = (params) => Object.fromEntries(Object.entries(params)
+  .map(([k, v]) => [k, v === "auto" && defaults[k] === null ? null : v]));
+
+async function refresh(refused) {
+  const reply = await link.ask("get").catch(report);
+  if (!reply?.ok || asked || (flying && !refused))
+    return; // the hand was faster
+  revision = reply.revision;
+  show(tidy(reply.params));
+}
+
+async function measure() {
+  if (measure.busy)
+    return;
+  measure.busy = true;
+  stats = await link.ask("stats").catch(() => stats);
+  used = { "camera.up": [0, 0, 1], "camera.eye": stats?.eye, "camera.target": stats?.target };
+  measure.busy = false;
+  times();
+}
+
+const streaming = () => link.ask(document.hidden ? "stream off" : "stream on window=2")
+  .catch(report);
+document.addEventListener("visibilitychange", streaming);
+
+async function begin(hello) {
+  const { params } = await link.ask("schema");
+  const text = JSON.stringify(params);
+  if (text !== schema) {
+    defaults = Object.fromEntries(params.map((p) => [p.name, p.auto ? null : p.default]));
+    panel = build($("groups"), params, { set, open, inUse: (name) => used[name],
+      doc: (doc) => { $("doc").textContent = doc; } });
+    schema = text;
+  }
+  past.length = future.length = 0;
+  await refresh();
+  scene(hello);
+  streaming();
+  measure();
+}
+
+function lost(is, text) {
+  document.body.classList.toggle("lost", is);
+  $("banner").hidden = !is;
+  $("link").className = is ? "down" : "";
+  $("link").textContent = text;
+}
+
+const link = connect({
+  refused: report,
+  up(hello) {
+    lost(false, "connected");
+    say("");
+    begin(hello).catch(report);
+  },
+  down: (wait) => lost(true, `retry in ${wait / 1000} s`),
+  frame: screen($("picture"), { shown, failed: (text) => say(text, true),
+    done: ({ id }) => link.ask("ack id=" + id).catch(() => {}) }),
+});
+
+// --- the status line ---------------------------------------------------------
+const ms = (x) => x.toFixed(x < 10 ? 1 : 0);
+const size = (x) => x < 1e6 ? ms(x / 1e3) + " kB" : ms(x / 1e6) + " MB";
+let later = 0;
+
+function shown({ body, ...head }) {
+  const { error, samples, level } = head, before = frame ?? {};
+  const wanted = values["quality.samples"] || 1;
+  frame = head;
+  $("level").textContent = `${level} ${samples}/${wanted}`;
+  $("progress").value = head.final ? 1 : samples / wanted;
+  $("ms").textContent = `${ms(head.render_ms)} + ${ms(head.encode_ms)} ms`;
+  if (head.echo && head.echo !== before.echo)
+    $("trip").textContent = `trip ${ms(performance.now() - head.echo)} ms`;
+  $("rev").textContent = "r" + head.revision;
+  $("size").textContent = `${head.width} × ${head.height}, ${size(head.bytes)}`;
+  $("wrong").textContent = error ? `${error.metric} ${error.value.toPrecision(2)}`
+    + (error.ci95 ? ` ± ${error.ci95.toPrecision(1)}` : "") : "";
+  $("wrong").title = error ? "Against " + error.reference : "";
+  layout();
+  times();
+  if (before.revision !== head.revision || head.final)
+    measure();
+  // Somebody else's edit: show it, once this hand rests.
+  clearTimeout(later);
+  if (head.revision > revision)
+    later = setTimeout(() => flying || asked || refresh(), 150);
+}
+
+function times() {
+  if ($("times").hidden || !frame)
+    return;
+  const line = (name, text) => `${name.padEnd(12)}${text.padStart(9)}\n`;
+  const part = (from, f) => Object.entries(from ?? {}).map(([k, v]) => line(k, f(v))).join("");
+  $("times").textContent = part(frame.stages, (x) => ms(x) + " ms") + "\n"
+    + part(stats?.memory, size) + "\n"
+    + (stats?.left_out ?? []).map((x) => `left out: ${x.what}, ${x.why}`
+      + (x.bound ? ` (error below ${x.bound.toPrecision(2)})` : "") + "\n").join("")
+    + (stats?.device ?? "");
+}
+function unfold(on) {
+  $("frame").setAttribute("aria-expanded", on);
+  $("times").hidden = !on;
+  times();
+}
+$("frame").onclick = () => unfold(open("frame", $("times").hidden));
+unfold(open("frame"));
+
+// --- camera and sky ----------------------------------------------------------
+function move(how, ...args) {
+  const [eye, target, up, fov] = ["eye", "target", "up", "fov"]
+    .map((x) => values["camera." + x] ?? used["camera." + x]);
+  if (!eye || !target)
+    return;
+  const to = how({ eye, target, up, fov }, ...args);
+  set({ "camera.eye": to.eye, "camera.target": to.target });
+}
+function sky(degrees) {
+  const yaw = values["light.yaw"] + degrees;
+  set({ "light.yaw": +(yaw - 360 * Math.round(yaw / 360)).toFixed(2) });
+}
+const whole = () => set({ "camera.eye": null, "camera.target": null });
+hand($("picture"), { sky, frame: whole,
+  orbit: (yaw, pitch) => move(orbit, yaw, pitch),
+  pan: (dx, dy) => move(pan, dx, dy, $("picture").clientHeight),
+  zoom: (factor) => move(zoom, factor) });
+
+// --- the picture's place: filling the stage, or pixel for pixel --------------
+let fit = false, one = !!remember("one"), resized = 0;
+
+function layout() {
+  const { width, height, style } = $("picture"), stage = $("stage");
+  const k = fit || one ? 1 / devicePixelRatio
+    : Math.min((stage.clientWidth - 24) / width, (stage.clientHeight - 24) / height);
+  style.width = width * k + "px";
+  style.height = height * k + "px";
+  $("fit").setAttribute("aria-pressed", fit);
+  $("one").setAttribute("aria-pressed", one);
+}
+function follow() {
+  const pixels = (x) => Math.max(16, Math.round(x * devicePixelRatio));
+  const edit = { "image.width": pixels($("stage").clientWidth),
+    "image.height": pixels($("stage").clientHeight) };
+  if (Object.keys(edit).some((k) => edit[k] !== values[k]))
+    set(edit);
+}
+new ResizeObserver(() => {
+  layout();
+  clearTimeout(resized);
+  if (fit)
+    resized = setTimeout(follow, 200);
+}).observe($("stage"));
+$("fit").onclick = () => {
+  fit = !fit;
+  document.body.classList.toggle("fit", fit);
+  if (fit)
+    follow();
+  layout();
+};
+$("one").onclick = () => {
+  one = remember("one", !one);
+  layout();
+};
+
+// --- groom and sky -----------------------------------------------------------
+const FILE = "file…";
+function chooser(verb) {
+  const select = $(verb), path = $(verb + "-path");
+  let now;
+  function put(source) {
+    select.value = source;
+    path.hidden = select.selectedIndex >= 0;
+    if (!path.hidden)
+      select.value = FILE;
+    path.value = path.hidden ? "" : source;
+    now = source;
+  }
+  async function load(source) {
+    say("loading " + source, false, true);
+    try {
+      await link.ask(verb + " " + assignments({ x: source }).slice(2));
+      put(source);
+      say("");
+    } catch (error) {
+      report(error);
+      put(now);
+    }
+    measure();
+  }
+  select.onchange = () => {
+    path.hidden = select.value !== FILE;
+    path.hidden ? load(select.value) : path.focus();
+  };
+  path.onchange = () => path.value && load(path.value);
+  return (names, source) => {
+    select.replaceChildren(...[...names, FILE].map((value) =>
+      h("option", { value }, value.replace("builtin:", ""))));
+    put(source);
+  };
+}
+const choosers = { hair: chooser("hair"), env: chooser("env") };
+function scene(hello) {
+  for (const verb of ["hair", "env"])
+    choosers[verb](hello.builtins[verb], hello[verb]);
+}
+
+// --- tools -------------------------------------------------------------------
+const looks = [];
+let side = 0;
+function compare() {
+  const now = looks[side] = pick(values, (k) => LOOK.test(k));
+  side = 1 - side;
+  const other = looks[side] ??= now;
+  $("ab").textContent = "AB"[side];
+  $("ab").setAttribute("aria-pressed", !!side);
+  say(other === now ? "look B begins as a copy of A" : "look " + "AB"[side]);
+  const edit = pick(other, (k, v) => !same(v, now[k]));
+  if (Object.keys(edit).length)
+    set(edit);
+}
+
+async function copy() {
+  const edit = pick(values, (k, v) => !same(v, defaults[k]));
+  await navigator.clipboard.writeText("set " + assignments(edit));
+  say("state copied");
+}
+document.addEventListener("paste", (e) => {
+  const line = e.clipboardData.getData("text").trim().split("\n")[0];
+  if (!e.target.matches("input") && line.startsWith("set "))
+    link.ask(line).then(() => refresh(), report);
+});
+
+async function save(e) {
+  const button = e.target, format = button.id;
+  button.disabled = true;
+  say("finishing the picture", false, true);
+  try {
+    const { frame: head, body } = await capture("capture format=" + format);
+    const href = URL.createObjectURL(new Blob([body]));
+    h("a", { href, download: `glint-r${head.revision}.${format}` }).click();
+    setTimeout(() => URL.revokeObjectURL(href), 10000);
+    say(`saved r${head.revision}, ${size(body.length)}`);
+  } catch (error) {
+    say(error.message, true);
+  }
+  button.disabled = false;
+}
+
+const help = () => $("help").showModal();
+for (const [id, f] of Object.entries({ undo, redo, ab: compare, keys: help,
+  copy: () => copy().catch(report), png: save, exr: save }))
+  $(id).onclick = f;
+$("find").oninput = () => panel.find($("find").value);
+
+const KEYS = { f: whole, b: compare, c: $("copy").onclick, 1: $("one").onclick,
+  "?": help, "/": () => $("find").focus(), "[": () => sky(-5), "]": () => sky(5),
+  h: () => document.body.classList.toggle("bare") };
+document.addEventListener("keydown", (e) => {
+  const control = e.ctrlKey || e.metaKey;
+  const f = control ? e.key.toLowerCase() === "z" && (e.shiftKey ? redo : undo) : KEYS[e.key];
+  if (!f || e.altKey || !panel || $("help").open
+      || e.target.matches("select, input:not([type=range], [type=checkbox], [type=radio])"))
+    return;
+  e.preventDefault();
+  f();
+});
