@@ -1,0 +1,175 @@
+// verb_render.c - `glintd render`: one final picture into a file, without any
+// socket.  The same state gives the same bytes as a capture of the daemon.
+#include "server/verbs.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "protocol/bytes.h"
+#include "renderer/renderer.h"
+#include "server/assets.h"
+#include "server/cache.h"
+#include "server/options.h"
+#include "server/still.h"
+
+// By the name's end; -1: none that we write.
+static int format_of(const char *path)
+{
+    static const struct {
+        const char *end;
+        int format;
+    } ends[] = {{".jpg", STILL_JPEG},
+                {".jpeg", STILL_JPEG},
+                {".png", STILL_PNG},
+                {".exr", STILL_EXR}};
+    size_t n = strlen(path);
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        size_t e = strlen(ends[i].end);
+        if (n > e && strcasecmp(path + n - e, ends[i].end) == 0)
+            return ends[i].format;
+    }
+    return -1;
+}
+
+// Whole or not at all: a file beside it, renamed when complete.
+static bool write_file(const char *path, const struct buf *bytes,
+                       struct error *err)
+{
+    struct buf name = {0};
+    buf_printf(&name, "%s.%ld.part%c", path, (long)getpid(), 0);
+    const char *part = (const char *)name.data;
+    FILE *f = fopen(part, "wb");
+    bool ok = f != NULL;
+    if (ok) {
+        ok = fwrite(bytes->data, 1, bytes->size, f) == bytes->size;
+        ok = fclose(f) == 0 && ok;
+        ok = ok && rename(part, path) == 0;
+        if (!ok)
+            unlink(part);
+    }
+    if (!ok)
+        error_set(err, "file", path, "%s: %s", path, strerror(errno));
+    buf_finish(&name);
+    return ok;
+}
+
+static bool open_scene(struct renderer *r, const struct options *o,
+                       struct still_state *state, struct error *err)
+{
+    struct assets_hair hair = {0};
+    struct assets_sky sky = {0};
+    bool ok = assets_hair_load(&hair, o->hair, NULL, err) &&
+              assets_sky_load(&sky, o->env, NULL, err);
+    renderer_set_params(r, &o->params);
+    if (ok) {
+        state->hair = hair.source;
+        state->env = sky.source;
+        struct groom *g = hair.groom;
+        struct sky_map *m = sky.map;
+        hair.groom = NULL;
+        sky.map = NULL;
+        ok = renderer_set_groom(r, g, err);
+        if (ok)
+            ok = renderer_set_sky(r, m, err);
+        else
+            sky_map_destroy(m);
+    }
+    assets_hair_finish(&hair);
+    assets_sky_finish(&sky);
+    return ok;
+}
+
+static void report(const struct renderer *r, const double *total_ms,
+                   const struct still_request *q, size_t bytes)
+{
+    struct renderer_stats s;
+    renderer_stats(r, &s);
+    printf("device %s\n", renderer_device(r));
+    printf("samples %d, lights %d of %d, first sample shaded points %u\n",
+           s.samples, s.lights_used, s.lights_fitted, s.visible_points);
+    printf("stage ms of all samples:");
+    for (int i = 0; i < RENDERER_STAGES; i++)
+        if (total_ms[i] >= 0)
+            printf(" %s %.1f", renderer_stage_names[i], total_ms[i]);
+    printf("; encode %.1f (%zu bytes)\n", q->encode_ms, bytes);
+    for (int i = 0; i < s.left_out_count; i++)
+        printf("left out %s: %s (bound %g)\n", s.left_out[i].what,
+               s.left_out[i].why, s.left_out[i].bound);
+}
+
+static bool refine(struct renderer *r, double *total_ms, struct error *err)
+{
+    struct renderer_stats s;
+    bool done = false;
+    for (int i = 0; i < RENDERER_STAGES; i++)
+        total_ms[i] = -1;
+    while (!done) {
+        if (!renderer_step(r, &done, err))
+            return false;
+        renderer_stats(r, &s);
+        for (int i = 0; i < RENDERER_STAGES; i++)
+            if (s.stage_ms[i] >= 0)
+                total_ms[i] = (total_ms[i] > 0 ? total_ms[i] : 0) +
+                              s.stage_ms[i];
+    }
+    return true;
+}
+
+static int render(const struct options *o, int format, bool verbose)
+{
+    struct error err = {0};
+    struct still_state state = {.params = &o->params};
+    struct still_request q = {.state = &state, .with_state = true};
+    struct buf out = {0};
+    double total_ms[RENDERER_STAGES];
+    char *cache = cache_directory();
+    struct renderer *r = renderer_create(cache, &err);
+    bool ok = r && open_scene(r, o, &state, &err) && refine(r, total_ms, &err);
+    if (ok) {
+        state.device = renderer_device(r);
+        q.how = still_encoding_of(&o->params);
+        q.how.format = format;
+        ok = still_encode(&out, r, &q, &err) && write_file(o->out, &out, &err);
+    }
+    if (ok && verbose)
+        report(r, total_ms, &q, out.size);
+    buf_finish(&out);
+    renderer_destroy(r);
+    free(cache);
+    return ok ? 0 : options_fail(&err);
+}
+
+int verb_render_run(int argc, char **argv)
+{
+    bool verbose = false;
+    const struct options_row rows[] = {
+        {"verbose", OPTIONS_FLAG, &verbose, 0, 0, NULL,
+         "print the stages' milliseconds and what was left out"},
+        {0}};
+    const struct options_verb verb = {
+        .name = "render",
+        .about = "renders one final picture; the end of FILE's name (.exr .png "
+                 ".jpg) tells the format",
+        .takes = OPTIONS_SCENE | OPTIONS_OUT,
+        .rows = rows,
+    };
+    struct options o;
+    int status = options_parse(&o, &verb, argc, argv);
+    if (status < 0) {
+        int format = o.out ? format_of(o.out) : -1;
+        if (format < 0) {
+            fprintf(stderr,
+                    "glintd: render: --out %s: a name that ends in .exr, .png "
+                    "or .jpg is needed\n",
+                    o.out ? o.out : "is missing");
+            status = 2;
+        } else {
+            status = render(&o, format, verbose);
+        }
+    }
+    options_finish(&o);
+    return status;
+}
