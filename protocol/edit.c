@@ -135,7 +135,8 @@ struct span edit_choice(const struct params_row *row, int i)
     const char *at = row->choices;
     for (; at && i > 0; i--) {
         at = strchr(at, '|');
-        at += at ? 1 : 0;
+        if (at)
+            at++;
     }
     if (!at || i < 0)
         return (struct span){NULL, 0};
@@ -203,6 +204,24 @@ static bool put_auto(struct params *p, const struct params_row *row)
     return true;
 }
 
+// Splits at commas; returns how many parts there are, at most 4.
+static int split(struct span value, struct span part[4])
+{
+    int n = 0;
+    while (n < 4) {
+        const unsigned char *comma =
+            value.size > 0 ? memchr(value.data, ',', value.size) : NULL;
+        part[n] = value;
+        if (!comma)
+            return n + 1;
+        part[n].size = (size_t)(comma - value.data);
+        value.size -= part[n].size + 1;
+        value.data = comma + 1;
+        n++;
+    }
+    return n;
+}
+
 // A float, or a tuple of them.
 static bool put_floats(struct params *p, const struct params_row *row,
                        struct span value, struct error *err)
@@ -211,26 +230,16 @@ static bool put_floats(struct params *p, const struct params_row *row,
         [PARAMS_FLOAT] = "a number",
         [PARAMS_RGB] = "a number, or three joined by commas,",
         [PARAMS_VEC3] = "three numbers joined by commas"};
-    double v[3] = {0};
-    int n = 0;
-    for (struct span rest = value; n <= row->count; n++) {
-        const unsigned char *comma =
-            rest.size > 0 ? memchr(rest.data, ',', rest.size) : NULL;
-        struct span part = rest;
-        if (comma)
-            part.size = (size_t)(comma - rest.data);
-        if (n == row->count || !number_parse(part, &v[n]))
+    double v[4];
+    struct span part[4];
+    int n = split(value, part);
+    bool count = n == row->count || (n == 1 && row->type == PARAMS_RGB);
+    for (int i = 0; i < n; i++)
+        if (!count || !number_parse(part[i], &v[i]))
             return bad_type(row, value, wanted[row->type], err);
-        if (!(v[n] >= row->min && v[n] <= row->max))
-            return bad_range(row, part, err);
-        if (!comma)
-            break;
-        rest.size -= part.size + 1;
-        rest.data = comma + 1;
-    }
-    n++;
-    if (n != row->count && !(n == 1 && row->type == PARAMS_RGB))
-        return bad_type(row, value, wanted[row->type], err);
+    for (int i = 0; i < n; i++)
+        if (!(v[i] >= row->min && v[i] <= row->max))
+            return bad_range(row, part[i], err);
     for (int i = 0; i < row->count; i++)
         params_put(p, row, i, v[n == 1 ? 0 : i]);
     return true;
