@@ -1,0 +1,106 @@
+// probe.c - sends cases through shaders/probe.comp.  A batch goes through the
+// circular variant, the eccentric one, or both, whichever its cases ask for,
+// so that what is measured is what a picture runs.  Reading and checking text
+// is the verb's.
+#include "renderer/probe.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "protocol/bytes.h"
+#include "renderer/gl.h"
+#include "renderer/program.h"
+#include "renderer/xu_tables.h"
+
+enum { CIRCULAR, ECCENTRIC, KINDS, COLUMN_A = 9, GROUP = 64 };
+// Uniform locations in probe.comp.
+enum { AT_COUNT = 0, AT_DELTA_ETA = 1 };
+
+struct probe {
+    struct probe_setup setup;
+    unsigned program[KINDS]; // 0 until first needed
+    unsigned cases, results; // buffers of a batch
+    struct xu_tables *tables;
+};
+
+struct probe *probe_create(const struct probe_setup *setup, struct error *err)
+{
+    struct probe *p = bytes_zalloc(1, sizeof *p);
+    p->setup = *setup;
+    p->tables = xu_tables_create(setup->tables);
+    gl.CreateBuffers(1, &p->cases);
+    gl.CreateBuffers(1, &p->results);
+    gl.NamedBufferStorage(p->cases, PROBE_BATCH * PROBE_INPUTS * sizeof(float),
+                          NULL, GL_DYNAMIC_STORAGE_BIT);
+    gl.NamedBufferStorage(p->results,
+                          PROBE_BATCH * PROBE_OUTPUTS * sizeof(float), NULL,
+                          GL_DYNAMIC_STORAGE_BIT);
+    gl.ObjectLabel(GL_BUFFER, p->cases, -1, "probe cases");
+    gl.ObjectLabel(GL_BUFFER, p->results, -1, "probe results");
+    if (gl_check("making the probe's buffers", err))
+        return p;
+    probe_destroy(p);
+    return NULL;
+}
+
+void probe_destroy(struct probe *p)
+{
+    if (!p)
+        return;
+    for (int kind = 0; kind < KINDS; kind++)
+        if (p->program[kind])
+            gl.DeleteProgram(p->program[kind]);
+    gl.DeleteBuffers(1, &p->cases);
+    gl.DeleteBuffers(1, &p->results);
+    xu_tables_destroy(p->tables);
+    free(p);
+}
+
+static bool dispatch(struct probe *p, int kind, unsigned count,
+                     struct error *err)
+{
+    if (!p->program[kind]) {
+        char defines[96];
+        snprintf(defines, sizeof defines, "XU_M=%d%s%s", p->setup.m,
+                 p->setup.fine_nodes ? " XU_FINE_NODES" : "",
+                 kind == ECCENTRIC ? " XU_ECCENTRIC" : "");
+        p->program[kind] = program_compute("probe.comp", defines, err);
+        if (!p->program[kind])
+            return false;
+        gl.ProgramUniform1f(p->program[kind], AT_DELTA_ETA,
+                            (float)p->setup.delta_eta);
+    }
+    gl.ProgramUniform1ui(p->program[kind], AT_COUNT, count);
+    gl.UseProgram(p->program[kind]);
+    gl.DispatchCompute((count + GROUP - 1) / GROUP, 1, 1);
+    return true;
+}
+
+bool probe_run(struct probe *p, const float *cases, size_t count,
+               float *results, struct error *err)
+{
+    while (count > 0) {
+        size_t n = count < PROBE_BATCH ? count : PROBE_BATCH;
+        bool need[KINDS] = {false};
+        for (size_t i = 0; i < n; i++)
+            need[cases[PROBE_INPUTS * i + COLUMN_A] != 1.0f] = true;
+        gl.NamedBufferSubData(
+            p->cases, 0, (GLsizeiptr)(n * PROBE_INPUTS * sizeof *cases), cases);
+        xu_tables_bind(p->tables);
+        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, p->cases);
+        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, p->results);
+        for (int kind = 0; kind < KINDS; kind++)
+            if (need[kind] && !dispatch(p, kind, (unsigned)n, err))
+                return false;
+        gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+        gl.GetNamedBufferSubData(
+            p->results, 0, (GLsizeiptr)(n * PROBE_OUTPUTS * sizeof *results),
+            results);
+        if (!gl_check("running the probe", err))
+            return false;
+        cases += n * PROBE_INPUTS;
+        results += n * PROBE_OUTPUTS;
+        count -= n;
+    }
+    return true;
+}
