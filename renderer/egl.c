@@ -2,6 +2,7 @@
 // turn, then Mesa's surfaceless platform.  What is drawn is others' affair.
 #include "renderer/egl.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +12,9 @@
 
 #include "protocol/bytes.h"
 #include "renderer/gl.h"
+
+// Displays belong to the process, not to a context: the last one out closes.
+static atomic_int users;
 
 struct egl {
     EGLDisplay display;
@@ -85,6 +89,7 @@ static const char *gl_text(GLenum name)
 struct egl *egl_create(struct error *err)
 {
     struct egl *e = bytes_zalloc(1, sizeof *e);
+    atomic_fetch_add(&users, 1);
     if (!any_device(e) &&
         !context_on(e, display_of(EGL_PLATFORM_SURFACELESS_MESA,
                                   EGL_DEFAULT_DISPLAY))) {
@@ -114,13 +119,20 @@ void egl_destroy(struct egl *e)
     if (!e)
         return;
     if (e->context) {
-        eglMakeCurrent(e->display, EGL_NO_SURFACE, EGL_NO_SURFACE,
-                       EGL_NO_CONTEXT);
+        if (eglGetCurrentContext() == e->context)
+            eglMakeCurrent(e->display, EGL_NO_SURFACE, EGL_NO_SURFACE,
+                           EGL_NO_CONTEXT);
         eglDestroyContext(e->display, e->context);
     }
-    if (e->display)
+    if (atomic_fetch_sub(&users, 1) == 1 && e->display)
         eglTerminate(e->display);
     free(e);
+}
+
+void egl_use(const struct egl *e)
+{
+    if (eglGetCurrentContext() != e->context)
+        eglMakeCurrent(e->display, EGL_NO_SURFACE, EGL_NO_SURFACE, e->context);
 }
 
 const char *egl_device(const struct egl *e)

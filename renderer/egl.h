@@ -14,6 +14,8 @@ struct egl;
 // errors on stderr.
 struct egl *egl_create(struct error *err);
 void egl_destroy(struct egl *e); // NULL is allowed
+// Makes it the thread's current context again, where another one came between.
+void egl_use(const struct egl *e);
 const char *egl_device(const struct egl *e); // "vendor, renderer, version"
 
 #endif

@@ -107,6 +107,7 @@ void renderer_destroy(struct renderer *r)
     if (!r)
         return;
     if (r->egl) {
+        egl_use(r->egl);
         picture_finish(&r->picture);
         display_finish(&r->display);
         shading_finish(&r->shading);
@@ -147,6 +148,7 @@ static void mark(struct renderer *r, enum renderer_stage first)
 bool renderer_set_groom(struct renderer *r, struct groom *g, struct error *err)
 {
     struct strands built = {0};
+    egl_use(r->egl);
     if (!strands_build(&built, g, &r->params, err)) {
         groom_destroy(g);
         return false;
@@ -163,6 +165,7 @@ bool renderer_set_groom(struct renderer *r, struct groom *g, struct error *err)
 bool renderer_set_sky(struct renderer *r, struct sky_map *m, struct error *err)
 {
     (void)err;
+    egl_use(r->egl);
     sky_map_destroy(r->map);
     r->map = m;
     display_forget_sky(&r->display);
@@ -173,6 +176,7 @@ bool renderer_set_sky(struct renderer *r, struct sky_map *m, struct error *err)
 void renderer_set_params(struct renderer *r, const struct params *p)
 {
     struct params before = r->params;
+    egl_use(r->egl);
     // More samples only continue a picture; fewer begin it anew.
     if (p->quality.samples < r->samples) {
         r->samples = 0;
@@ -309,6 +313,7 @@ static bool run_sample(struct renderer *r, struct error *err)
 bool renderer_step(struct renderer *r, bool *done, struct error *err)
 {
     *done = false;
+    egl_use(r->egl);
     if (!r->groom)
         return error_set(err, "state", "hair", "no groom is loaded");
     if (!r->map)
@@ -330,6 +335,7 @@ bool renderer_read_display(struct renderer *r, struct buf *out,
 {
     struct timer *t = &r->timer;
     buf_clear(out);
+    egl_use(r->egl);
     if (r->samples == 0)
         return error_set(err, "state", "image", "nothing is rendered yet");
     // The parameter block may be older than view.*, which it also holds.
@@ -356,6 +362,7 @@ bool renderer_read_linear(struct renderer *r, struct buf *out,
                           struct error *err)
 {
     buf_clear(out);
+    egl_use(r->egl);
     if (r->samples == 0)
         return error_set(err, "state", "image", "nothing is rendered yet");
     const size_t n = (size_t)r->picture.width * (size_t)r->picture.height;

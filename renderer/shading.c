@@ -10,7 +10,9 @@
 #include "renderer/lights.h"
 #include "renderer/program.h"
 
-enum { PARAMS_ROWS_MAX = 128 };
+// Up to FIXED_M segments the count is a constant of the program; above it is
+// the uniform of shaders/xu.glsl, since unrolling would gain nothing.
+enum { PARAMS_ROWS_MAX = 128, FIXED_M = 8, XU_M_LOCATION = 16 };
 
 void shading_init(struct shading *s)
 {
@@ -56,7 +58,10 @@ static void variant_name(struct shading *s, const struct params *p,
     s->circular = !shading_wants_axis(p);
     s->opaque_bound = opaque_bound(p);
     s->opaque = s->opaque_bound < negligible;
-    snprintf(out, SHADING_DEFINES, "XU_M=%d%s%s%s%s", p->render.m,
+    char m[16] = "";
+    if (p->render.m <= FIXED_M)
+        snprintf(m, sizeof m, "XU_M=%d", p->render.m);
+    snprintf(out, SHADING_DEFINES, "%s%s%s%s%s", m,
              p->render.nodes == 1 ? " XU_FINE_NODES" : "",
              s->circular ? "" : " XU_ECCENTRIC",
              s->opaque ? " XU_NO_TT_TRT" : "",
@@ -91,17 +96,12 @@ bool shading_wants_axis(const struct params *p)
     return p->fibre.a != 1.0f;
 }
 
-static bool tables(struct shading *s, int times, struct error *err)
+static void tables(struct shading *s, int times)
 {
-    if (s->tables && s->tables_times == times)
-        return true;
-    struct xu_tables *t = xu_tables_create(times, err);
-    if (!t)
-        return false;
+    if (s->tables && s->tables->times == times)
+        return;
     xu_tables_destroy(s->tables);
-    s->tables = t;
-    s->tables_times = times;
-    return true;
+    s->tables = xu_tables_create(times);
 }
 
 bool shading_update(struct shading *s, const struct params *p,
@@ -109,8 +109,11 @@ bool shading_update(struct shading *s, const struct params *p,
 {
     char defines[SHADING_DEFINES];
     variant_name(s, p, strands, defines);
-    if (!tables(s, p->render.tables, err) || !choose(s, defines, err))
+    if (!choose(s, defines, err))
         return false;
+    tables(s, p->render.tables);
+    if (p->render.m > FIXED_M)
+        gl.ProgramUniform1i(s->program, XU_M_LOCATION, p->render.m);
     const int shown = p->render.components; // all, R, TT, TRT
     for (int i = 0; i < 3; i++)
         s->mask[i] = shown == 0 || shown == i + 1;

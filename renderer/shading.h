@@ -25,7 +25,6 @@ struct shading {
     unsigned clock;
     unsigned params; // uniform block
     struct xu_tables *tables;
-    int tables_times;
     bool circular, opaque;
     double opaque_bound; // what leaving TT and TRT out can change, of R
     float mask[3];       // R, TT, TRT shown

@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
+static char check_text_[160]; // the name is copied: it may be a caller's scratch
 static const char *check_name_;
 static int check_bad_, check_failed_, check_passed_, check_skipped_;
 
@@ -29,7 +30,8 @@ static inline void check_close_(void)
 static inline void check_case(const char *name)
 {
     check_close_();
-    check_name_ = name;
+    snprintf(check_text_, sizeof check_text_, "%s", name);
+    check_name_ = check_text_;
     check_bad_ = 0;
 }
 
