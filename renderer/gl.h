@@ -81,6 +81,8 @@
     F(DELETEVERTEXARRAYS, DeleteVertexArrays)                                  \
     F(BINDVERTEXARRAY, BindVertexArray)                                        \
     F(DRAWARRAYS, DrawArrays)                                                  \
+    F(DRAWELEMENTSBASEVERTEX, DrawElementsBaseVertex)                          \
+    F(VERTEXARRAYELEMENTBUFFER, VertexArrayElementBuffer)                      \
     F(DISPATCHCOMPUTE, DispatchCompute)                                        \
     F(DISPATCHCOMPUTEINDIRECT, DispatchComputeIndirect)                        \
     F(MEMORYBARRIER, MemoryBarrier)                                            \

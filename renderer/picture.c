@@ -3,12 +3,19 @@
 #include "renderer/picture.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "protocol/bytes.h"
 #include "renderer/gl.h"
 #include "renderer/program.h"
 
-enum { HEAD_VERTICES = 96 * 48 * 6, DISPATCH_OFFSET = 16, LIST_END = 32 };
+enum {
+    HEAD_VERTICES = 96 * 48 * 6,
+    DISPATCH_OFFSET = 16,
+    LIST_END = 32,
+    QUADS = 16384 // a draw: as many as 16-bit indices reach
+};
 
 struct scene_std140 { // scene.glsl
     float view_proj[16], eye[4], size[4], jitter[4], right[4], up[4],
@@ -30,10 +37,25 @@ static bool rasters(struct picture *p, bool opacity, struct error *err)
     return p->thin && p->wide;
 }
 
+// Quads share their corners, so a corner is transformed once.
+static void quad_indices(struct picture *p)
+{
+    static const uint16_t corner[6] = {0, 1, 2, 1, 3, 2};
+    uint16_t *index = bytes_alloc(6 * QUADS * sizeof *index);
+    for (size_t q = 0; q < QUADS; q++)
+        for (size_t c = 0; c < 6; c++)
+            index[6 * q + c] = (uint16_t)(4 * q + corner[c]);
+    gl.CreateBuffers(1, &p->quads);
+    gl.NamedBufferStorage(p->quads, 6 * QUADS * sizeof *index, index, 0);
+    gl.VertexArrayElementBuffer(p->vertices, p->quads);
+    free(index);
+}
+
 bool picture_init(struct picture *p, struct error *err)
 {
     memset(p, 0, sizeof *p);
     gl.CreateVertexArrays(1, &p->vertices);
+    quad_indices(p);
     gl.CreateBuffers(1, &p->scene);
     gl.NamedBufferStorage(p->scene, sizeof(struct scene_std140), NULL,
                           GL_DYNAMIC_STORAGE_BIT);
@@ -65,6 +87,7 @@ void picture_finish(struct picture *p)
     for (int i = 0; i < 6; i++)
         gl.DeleteProgram(programs[i]);
     gl.DeleteBuffers(1, &p->scene);
+    gl.DeleteBuffers(1, &p->quads);
     gl.DeleteVertexArrays(1, &p->vertices);
     memset(p, 0, sizeof *p);
 }
@@ -272,7 +295,11 @@ static void raster(struct picture *p, const struct strands *s)
     }
     if (s->draw_wide) {
         gl.UseProgram(p->wide);
-        gl.DrawArrays(GL_TRIANGLES, 0, 6 * segments);
+        for (GLsizei at = 0; at < segments; at += QUADS) {
+            GLsizei n = segments - at < QUADS ? segments - at : QUADS;
+            gl.DrawElementsBaseVertex(GL_TRIANGLES, 6 * n, GL_UNSIGNED_SHORT,
+                                      NULL, 4 * at);
+        }
     }
     gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
 }

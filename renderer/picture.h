@@ -28,7 +28,8 @@ struct picture {
     unsigned scene;                            // uniform block
     unsigned thin, wide, solid, cells, count, add; // programs
     bool opacity_variant;
-    unsigned vertices; // an empty vertex array
+    unsigned vertices; // a vertex array with nothing but quads' indices
+    unsigned quads;
     uint32_t slots;    // of the hash table, a power of two
     int maps;          // samples whose map is kept
     int cache_mb;      // quality.cache_mb that all this was sized for

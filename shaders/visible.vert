@@ -22,11 +22,9 @@ const float THIN_BELOW = 0.7;
 void main()
 {
 #ifdef WIDE
-    uint i = uint(gl_VertexID) / 6u, corner = uint(gl_VertexID) % 6u;
-    // two triangles: (0 1 2) (3 4 5) = near left, near right, far left;
-    // near right, far right, far left
-    bool end = corner == 2u || corner > 3u;
-    float side = corner == 1u || corner == 3u || corner == 4u ? 1.0 : -1.0;
+    uint i = uint(gl_VertexID) >> 2; // four corners a segment
+    bool end = (gl_VertexID & 2) != 0;
+    float side = (gl_VertexID & 1) != 0 ? 1.0 : -1.0;
 #else
     uint i = uint(gl_VertexID) >> 1;
     bool end = (gl_VertexID & 1) == 1;
