@@ -6,7 +6,7 @@
 #   make floors       reject an #include that points up a floor
 #   make format       clang-format in place;  make check-format  only looks
 #   SAN=address,undefined   build and test under sanitizers, in build/san
-#   CC=clang          another compiler
+#   CC=clang          another compiler;  V=1 shows the commands
 CC ?= cc
 OPT ?= -O2
 ARGS ?=
@@ -74,14 +74,19 @@ deps-test: deps
 	$(call want,$(HAVE_TEST),$(DEBIAN_TEST))
 
 # --- programs ---------------------------------------------------------------
+Q := $(if $(V),,@)
+say = $(if $(V),,@echo "$(1)")
 $(B)/glintd: $(B)/obj/server/main.o $(LIB_OBJS)
-	$(CC) $(LDFLAGS_ALL) -o $@ $^ $(LIBS_D)
+	$(call say,LINK $@)
+	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $^ $(LIBS_D)
 $(B)/glint: $(call objs,$(CLIENT) $(GROUND))
-	$(CC) $(LDFLAGS_ALL) -o $@ $^ -lm
+	$(call say,LINK $@)
+	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $^ -lm
 
 $(B)/obj/%.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
+	$(call say,CC $<)
+	$(Q)$(CC) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
 
 # Shaders and page are data: embedded, so the objects depend on them.
 SHADERS := $(wildcard shaders/*)
@@ -94,7 +99,8 @@ $(B)/obj/server/pages.o: $(wildcard web/*)
 
 $(B)/tests/%: tests/%.c $(LIB_OBJS)
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS_ALL) -MMD -MP -MF $@.d $(LDFLAGS_ALL) -o $@ $< \
+	$(call say,CC $<)
+	$(Q)$(CC) $(CFLAGS_ALL) -MMD -MP -MF $@.d $(LDFLAGS_ALL) -o $@ $< \
 	    $(filter-out $(wildcard $(dir $<)test_*.c),$(wildcard $(dir $<)*.c)) \
 	    $(LIB_OBJS) $(LIBS_D)
 
