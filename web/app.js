@@ -1,7 +1,7 @@
 // app.js - joins the wire, the panel and the picture.  The server's state is
 // the truth; `values` is its mirror with the edits that are on their way.
-import { assignments, capture, connect } from "./link.js";
-import { build, h, same } from "./panel.js";
+import { aside, assignments, connect, word } from "./link.js";
+import { build, h, same, short } from "./panel.js";
 import { hand, orbit, pan, screen, zoom } from "./view.js";
 
 const $ = (id) => document.getElementById(id);
@@ -27,19 +27,18 @@ function say(text, wrong = false, stay = wrong) {
 }
 const report = (error) => error.code === "offline" || say(error.message, true);
 
-// What the page remembers of itself; never anything of the state.
-function remember(key, on) {
+// Is a group of the panel unfolded?  All that the page remembers of itself.
+function open(group, on) {
   try {
     if (on !== undefined)
-      localStorage[key] = +on;
-    return localStorage[key] && localStorage[key] === "1";
+      localStorage[group] = +on;
+    return +(localStorage[group] ?? OPEN.includes(group)) === 1;
   } catch { // storage is forbidden
-    return on;
+    return on ?? OPEN.includes(group);
   }
 }
-const open = (group, on) => remember("open." + group, on) ?? OPEN.includes(group);
 
-// --- edits: all of one animation frame are one request -----------------------
+// --- edits: all of one animation frame are one request ---
 let pending = {};   // not sent yet
 let asked = false;  // for an animation frame
 let flying = 0;     // sent and not answered
@@ -77,13 +76,13 @@ async function flush() {
     const reply = await link.ask(`set ${line} seq=${++seq} echo=${now}`);
     revision = Math.max(revision, reply.revision);
     panel.wrong();
-    if ($("say").classList.contains("wrong"))
+    if ($("say").className)
       say("");
   } catch (error) {
     report(error);
     panel.wrong(error.name);
     past.pop();
-    refresh(true);
+    refresh(true).catch(report);
   }
   flying--;
 }
@@ -99,37 +98,46 @@ const redo = () => future.length && step(future, past, "after");
 function show(some) {
   Object.assign(values, some);
   panel.show(some);
+  streaming();
   $("undo").disabled = !past.length;
   $("redo").disabled = !future.length;
 }
 
-// --- the server's state ------------------------------------------------------
-const tidy = (params) => Object.fromEntries(Object.entries(params)
-  .map(([k, v]) => [k, v === "auto" && defaults[k] === null ? null : v]));
-
+// --- the server's state ---
 async function refresh(refused) {
-  const reply = await link.ask("get").catch(report);
-  if (!reply?.ok || asked || (flying && !refused))
+  const [is, hello] = await Promise.all([link.ask("get"), link.ask("hello")]);
+  if (asked || (flying && !refused))
     return; // the hand was faster
-  revision = reply.revision;
-  show(tidy(reply.params));
+  revision = is.revision;
+  show(Object.fromEntries(Object.entries(is.values)
+    .map(([k, v]) => [k, v === "auto" && defaults[k] === null ? null : v])));
+  for (const verb of ["hair", "env"])
+    choosers[verb](hello[verb].name);
 }
 
 async function measure() {
-  if (measure.busy)
-    return;
-  measure.busy = true;
   stats = await link.ask("stats").catch(() => stats);
   used = { "camera.up": [0, 0, 1], "camera.eye": stats?.eye, "camera.target": stats?.target };
-  measure.busy = false;
   times();
 }
 
-const streaming = () => link.ask(document.hidden ? "stream off" : "stream on window=2")
-  .catch(report);
+// What can be shown of the output the state asks for; qualities only when they
+// were set, else the server's own choice: fast while editing, then fine.
+let streamed = "";
+function streaming() {
+  const [format, quality, chroma] = ["format", "quality", "chroma"]
+    .map((x) => values["output." + x]);
+  const png = format === "png" || values["view.background"] === "transparent";
+  const own = quality !== defaults["output.quality"] || chroma !== defaults["output.chroma"];
+  const line = document.hidden ? "stream off" : "stream on window=2 format="
+    + (png ? "png" : "jpeg") + (own && !png ? ` quality=${quality} chroma=${chroma}` : "");
+  if (line !== streamed)
+    link.ask(line).catch(report);
+  streamed = line;
+}
 document.addEventListener("visibilitychange", streaming);
 
-async function begin(hello) {
+async function begin() {
   const { params } = await link.ask("schema");
   const text = JSON.stringify(params);
   if (text !== schema) {
@@ -139,9 +147,8 @@ async function begin(hello) {
     schema = text;
   }
   past.length = future.length = 0;
+  streamed = "";
   await refresh();
-  scene(hello);
-  streaming();
   measure();
 }
 
@@ -154,17 +161,17 @@ function lost(is, text) {
 
 const link = connect({
   refused: report,
-  up(hello) {
+  up() {
     lost(false, "connected");
     say("");
-    begin(hello).catch(report);
+    begin().catch(report);
   },
   down: (wait) => lost(true, `retry in ${wait / 1000} s`),
   frame: screen($("picture"), { shown, failed: (text) => say(text, true),
     done: ({ id }) => link.ask("ack id=" + id).catch(() => {}) }),
 });
 
-// --- the status line ---------------------------------------------------------
+// --- the status line ---
 const ms = (x) => x.toFixed(x < 10 ? 1 : 0);
 const size = (x) => x < 1e6 ? ms(x / 1e3) + " kB" : ms(x / 1e6) + " MB";
 let later = 0;
@@ -176,33 +183,31 @@ function shown({ body, ...head }) {
   $("level").textContent = `${level} ${samples}/${wanted}`;
   $("progress").value = head.final ? 1 : samples / wanted;
   $("ms").textContent = `${ms(head.render_ms)} + ${ms(head.encode_ms)} ms`;
-  if (head.echo && head.echo !== before.echo)
+  if (head.echo !== before.echo)
     $("trip").textContent = `trip ${ms(performance.now() - head.echo)} ms`;
   $("rev").textContent = "r" + head.revision;
   $("size").textContent = `${head.width} × ${head.height}, ${size(head.bytes)}`;
-  $("wrong").textContent = error ? `${error.metric} ${error.value.toPrecision(2)}`
-    + (error.ci95 ? ` ± ${error.ci95.toPrecision(1)}` : "") : "";
-  $("wrong").title = error ? "Against " + error.reference : "";
+  $("wrong").textContent = error ? `${error.metric} ${short(error.value, 2)} ± ${
+    short(error.ci95 ?? 0, 1)} against ${error.reference}` : "";
   layout();
   times();
-  if (before.revision !== head.revision || head.final)
+  if (head.final || (before.revision !== head.revision && !values["camera.eye"]))
     measure();
   // Somebody else's edit: show it, once this hand rests.
   clearTimeout(later);
   if (head.revision > revision)
-    later = setTimeout(() => flying || asked || refresh(), 150);
+    later = setTimeout(() => flying || asked || refresh().catch(report), 150);
 }
 
 function times() {
   if ($("times").hidden || !frame)
     return;
-  const line = (name, text) => `${name.padEnd(12)}${text.padStart(9)}\n`;
-  const part = (from, f) => Object.entries(from ?? {}).map(([k, v]) => line(k, f(v))).join("");
-  $("times").textContent = part(frame.stages, (x) => ms(x) + " ms") + "\n"
-    + part(stats?.memory, size) + "\n"
-    + (stats?.left_out ?? []).map((x) => `left out: ${x.what}, ${x.why}`
-      + (x.bound ? ` (error below ${x.bound.toPrecision(2)})` : "") + "\n").join("")
-    + (stats?.device ?? "");
+  const part = (from, f) => [...Object.entries(from ?? {})
+    .map(([k, v]) => k.padEnd(12) + f(v).padStart(9)), ""];
+  $("times").textContent = [...part(frame.stages, (x) => ms(x) + " ms"),
+    ...part(stats?.memory, size), ...(stats?.left_out ?? []).map((x) =>
+      `without ${x.what}: ${x.why}` + (x.bound ? `, error below ${short(x.bound, 2)}` : "")),
+    stats?.device].join("\n");
 }
 function unfold(on) {
   $("frame").setAttribute("aria-expanded", on);
@@ -212,7 +217,7 @@ function unfold(on) {
 $("frame").onclick = () => unfold(open("frame", $("times").hidden));
 unfold(open("frame"));
 
-// --- camera and sky ----------------------------------------------------------
+// --- camera and sky ---
 function move(how, ...args) {
   const [eye, target, up, fov] = ["eye", "target", "up", "fov"]
     .map((x) => values["camera." + x] ?? used["camera." + x]);
@@ -231,8 +236,8 @@ hand($("picture"), { sky, frame: whole,
   pan: (dx, dy) => move(pan, dx, dy, $("picture").clientHeight),
   zoom: (factor) => move(zoom, factor) });
 
-// --- the picture's place: filling the stage, or pixel for pixel --------------
-let fit = false, one = !!remember("one"), resized = 0;
+// --- the picture's place: filling the stage, or pixel for pixel ---
+let fit = false, one = false, resized = 0;
 
 function layout() {
   const { width, height, style } = $("picture"), stage = $("stage");
@@ -264,53 +269,44 @@ $("fit").onclick = () => {
   layout();
 };
 $("one").onclick = () => {
-  one = remember("one", !one);
+  one = !one;
   layout();
 };
 
-// --- groom and sky -----------------------------------------------------------
-const FILE = "file…";
+// --- groom and sky ---
 function chooser(verb) {
   const select = $(verb), path = $(verb + "-path");
   let now;
   function put(source) {
-    select.value = source;
+    select.value = now = source;
     path.hidden = select.selectedIndex >= 0;
-    if (!path.hidden)
-      select.value = FILE;
-    path.value = path.hidden ? "" : source;
-    now = source;
+    if (!path.hidden) {
+      select.value = "";
+      path.value ||= source;
+    }
   }
   async function load(source) {
     say("loading " + source, false, true);
     try {
-      await link.ask(verb + " " + assignments({ x: source }).slice(2));
+      await aside(`${verb} name=${word(source)}`);
       put(source);
       say("");
     } catch (error) {
-      report(error);
+      say(error.message, true);
       put(now);
     }
     measure();
   }
   select.onchange = () => {
-    path.hidden = select.value !== FILE;
+    path.hidden = !!select.value;
     path.hidden ? load(select.value) : path.focus();
   };
   path.onchange = () => path.value && load(path.value);
-  return (names, source) => {
-    select.replaceChildren(...[...names, FILE].map((value) =>
-      h("option", { value }, value.replace("builtin:", ""))));
-    put(source);
-  };
+  return put;
 }
 const choosers = { hair: chooser("hair"), env: chooser("env") };
-function scene(hello) {
-  for (const verb of ["hair", "env"])
-    choosers[verb](hello.builtins[verb], hello[verb]);
-}
 
-// --- tools -------------------------------------------------------------------
+// --- tools ---
 const looks = [];
 let side = 0;
 function compare() {
@@ -333,7 +329,7 @@ async function copy() {
 document.addEventListener("paste", (e) => {
   const line = e.clipboardData.getData("text").trim().split("\n")[0];
   if (!e.target.matches("input") && line.startsWith("set "))
-    link.ask(line).then(() => refresh(), report);
+    link.ask(line).then(() => refresh()).catch(report);
 });
 
 async function save(e) {
@@ -341,7 +337,7 @@ async function save(e) {
   button.disabled = true;
   say("finishing the picture", false, true);
   try {
-    const { frame: head, body } = await capture("capture format=" + format);
+    const { frame: head, body } = await aside("capture format=" + format);
     const href = URL.createObjectURL(new Blob([body]));
     h("a", { href, download: `glint-r${head.revision}.${format}` }).click();
     setTimeout(() => URL.revokeObjectURL(href), 10000);
@@ -356,10 +352,9 @@ const help = () => $("help").showModal();
 for (const [id, f] of Object.entries({ undo, redo, ab: compare, keys: help,
   copy: () => copy().catch(report), png: save, exr: save }))
   $(id).onclick = f;
-$("find").oninput = () => panel.find($("find").value);
 
 const KEYS = { f: whole, b: compare, c: $("copy").onclick, 1: $("one").onclick,
-  "?": help, "/": () => $("find").focus(), "[": () => sky(-5), "]": () => sky(5),
+  "?": help, "[": () => sky(-5), "]": () => sky(5),
   h: () => document.body.classList.toggle("bare") };
 document.addEventListener("keydown", (e) => {
   const control = e.ctrlKey || e.metaKey;

@@ -37,7 +37,7 @@ function read(data) {
 }
 const failure = ({ error }) => Object.assign(new Error(error.text), error);
 
-// on: { up(hello), down(ms until the next try), refused(error),
+// on: { up(), down(ms until the next try), refused(error),
 //       frame(its header with body) }
 export function connect(on) {
   const waiting = new Map();
@@ -57,15 +57,17 @@ export function connect(on) {
     clearTimeout(timer);
     timer = 0;
     const mine = socket = dial();
-    mine.onopen = () => ask(greeting).then((hello) => {
+    mine.onopen = () => ask(greeting).then(() => {
       tries = 0;
-      on.up(hello);
+      on.up();
     }, on.refused);
     mine.onmessage = ({ data }) => {
       heard = performance.now();
       const { frame, body, ...reply } = read(data);
       if (frame)
         return on.frame({ ...frame, body });
+      if (reply.event)
+        on.refused(failure(reply)); // of the renderer, not of a request
       waiting.get(reply.tag)?.(reply);
       waiting.delete(reply.tag);
     };
@@ -78,9 +80,7 @@ export function connect(on) {
       on.down(wait);
     };
   }
-  const retry = () => timer && open();
-  addEventListener("online", retry);
-  document.addEventListener("visibilitychange", retry);
+  document.addEventListener("visibilitychange", () => timer && open());
 
   // A laptop that slept has sockets that never close: ask now and then.
   setInterval(() => {
@@ -95,20 +95,20 @@ export function connect(on) {
   return { ask, isUp };
 }
 
-// A capture on a connection of its own: its reply waits for the final picture,
-// and the page's edits must not wait behind it.
-export const capture = (line) => new Promise((yes, no) => {
+// One request on a connection of its own, for what takes long: replies come in
+// order, and the page's edits must not wait behind a capture or a file.
+export const aside = (line) => new Promise((yes, no) => {
   const socket = dial();
+  let greeted = false;
   socket.onopen = () => [greeting, line].forEach((l) => socket.send(l));
   socket.onclose = () => no(offline);
   socket.onmessage = ({ data }) => {
     const reply = read(data);
-    if (!reply.ok)
-      no(failure(reply));
-    else if (reply.body)
-      yes(reply);
-    else
-      return; // to the greeting
+    if (reply.ok && !greeted) {
+      greeted = true;
+      return;
+    }
+    reply.ok ? yes(reply) : no(failure(reply));
     socket.close();
   };
 });

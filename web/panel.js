@@ -1,7 +1,7 @@
 // panel.js - the controls, made from the schema alone.  Shows values and says
 // what the hand wants; what is legal is the server's to decide.
 
-// h("button", { className: "reset", "aria-label": "..." }, "text", child, ...)
+// An element with properties and aria- attributes, and what is in it.
 export function h(tag, props, ...children) {
   const node = document.createElement(tag);
   for (const [k, v] of Object.entries(props))
@@ -10,7 +10,7 @@ export function h(tag, props, ...children) {
   return node;
 }
 
-const short = (x, digits = 5) => +x.toPrecision(digits);
+export const short = (x, digits = 5) => +x.toPrecision(digits);
 const clamp = (x, lo, hi) => Math.min(hi, Math.max(lo, x));
 const near = (a, b) => a === b || Math.abs(a - b) <= 1e-6 * Math.abs(a);
 export const same = (a, b) => a && b && a.map && b.map
@@ -48,13 +48,12 @@ const absorb = { hex: (v) => hex(v.map((x) => Math.exp(-2 * x))),
 function exact(label, change, placeholder) {
   let typing = false;
   const field = h("input", { type: "number", step: "any", className: "field",
-    placeholder, "aria-label": label });
-  field.oninput = () => { typing = true; };
-  field.onblur = () => { typing = false; };
-  field.onchange = () => {
-    typing = false;
-    change(field.value === "" ? null : +field.value);
-  };
+    placeholder, "aria-label": label,
+    oninput: () => { typing = true; }, onblur: () => { typing = false; },
+    onchange() {
+      typing = false;
+      change(field.value === "" ? null : +field.value);
+    } });
   return { field, show: (v) => {
     if (!typing)
       field.value = v === null ? "" : short(v);
@@ -80,11 +79,11 @@ function number(row, label, change, ratio) {
     const v = map.value(clamp(t + way * (e.shiftKey ? 0.001 : 0.01), 0, 1));
     change(v === value ? clamp(v + way, row.min, row.max) : v);
   }
-  slider.onpointerdown = (e) => { shift = e.shiftKey; };
   slider.onkeydown = field.onkeydown = key;
+  slider.onpointerdown = (e) => { shift = ratio && e.shiftKey; };
   slider.oninput = () => {
     const v = map.value(+slider.value);
-    shift && ratio && value > 0 ? ratio(v / value) : change(v);
+    shift && value > 0 ? ratio(v / value) : change(v);
   };
   return { slider, nodes: [slider, field], show(v) {
     value = v;
@@ -107,16 +106,10 @@ const makers = {
   },
 
   choice(row, label, change) {
-    if (row.choices.join("").length > 22) {
-      const select = h("select", { "aria-label": label, onchange: () => change(select.value) },
-        ...row.choices.map((w) => h("option", {}, w)));
-      return { nodes: [select], show: (v) => { select.value = v; } };
-    }
-    const radios = row.choices.map((w) => h("input", { type: "radio", name: label,
-      "aria-label": label + " " + w, onchange: () => change(w) }));
-    return { nodes: [h("div", { className: "segments" }, ...row.choices.map((w, i) =>
-      h("label", {}, radios[i], h("span", {}, w))))],
-    show: (v) => radios.forEach((r, i) => { r.checked = row.choices[i] === v; }) };
+    const buttons = row.choices.map((w) => h("button", { "aria-label": `${label} ${w}`,
+      onclick: () => change(w) }, w));
+    return { nodes: [h("div", { className: "segments" }, ...buttons)], show: (v) =>
+      buttons.forEach((b) => b.setAttribute("aria-pressed", b.textContent === v)) };
   },
 
   rgb(row, label, change) {
@@ -151,6 +144,8 @@ const makers = {
   },
 };
 
+const undo = (name, onclick) => h("button", { className: "reset", onclick,
+  title: "Default", "aria-label": "Reset " + name }, "↺");
 const UNITS = { deg: "°", "1/radius": "1/r", "file units": "units" };
 
 // act: { set(values), inUse(name) a value for an `auto` one, doc(text),
@@ -161,26 +156,23 @@ export function build(root, schema, act) {
   function add(row, list) {
     const { name, auto } = row;
     const initial = auto ? null : row.default;
-    const change = (v) => act.set({ [name]: v });
-    const back = () => change(initial);
+    const change = (v) => act.set({ [name]: v }), back = () => change(initial);
     const inUse = () => act.inUse(name) ?? short((row.min + row.max) / 2);
     const { nodes, lines = [], show } = makers[row.type](row, name, change, null, inUse);
+    const range = row.min === null ? "" : `, ${short(row.min)} to ${short(row.max)} ${row.unit}`;
+    const text = `${name}${range}, default ${[row.default].flat().join(", ")}.\n${row.doc}.`;
     let value;
-    const reset = h("button", { className: "reset", onclick: back, title: "Default",
-      "aria-label": "Reset " + name }, "↺");
+    const reset = undo(name, back);
     const unit = auto ? h("button", { className: "auto", title: "Let the renderer choose",
       onclick: () => change(value === null ? inUse() : null), "aria-label": name + " auto" }, "auto")
       : h("span", { className: "unit", title: row.unit }, UNITS[row.unit] ?? row.unit);
     const node = h("div", { className: "row " + row.type },
-      h("span", { className: "name", ondblclick: back }, name.slice(row.group.length + 1)),
+      h("span", { className: "name", title: text, ondblclick: back }, name.slice(row.group.length + 1)),
       ...nodes, unit, reset, ...lines.map((l) => h("div", { className: "line" }, ...l)));
-    const range = row.min === null ? "" : `, ${short(row.min)} to ${short(row.max)} ${row.unit}`;
-    const text = `${name}${range}, default ${[row.default].flat().join(", ")}.\n${row.doc}.`;
-    node.title = text;
     node.onpointerenter = () => act.doc(text);
     node.addEventListener("focusin", node.onpointerenter);
     list.append(node);
-    rows.set(name, { node, row, initial, text: text.toLowerCase(), show(v) {
+    rows.set(name, { node, initial, show(v) {
       value = v;
       show(v);
       node.classList.toggle("linked", v === null);
@@ -198,12 +190,11 @@ export function build(root, schema, act) {
       head.setAttribute("aria-expanded", on);
       list.hidden = !on;
     };
-    const reset = h("button", { className: "reset", title: "Defaults of the group",
-      "aria-label": "Reset " + title, onclick: () => act.set(Object.fromEntries([...rows]
-        .filter(([, r]) => r.row.group === name).map(([n, r]) => [n, r.initial]))) }, "↺");
+    const reset = undo(title, () => act.set(Object.fromEntries([...rows]
+      .filter(([n]) => n.startsWith(name + ".")).map(([n, r]) => [n, r.initial]))));
     root.append(h("section", { className: "group" }, h("h2", {}, head, reset), list));
     unfold(act.open(name));
-    groups.set(name, { list, reset, unfold });
+    groups.set(name, { list, reset });
   }
 
   root.replaceChildren();
@@ -223,14 +214,6 @@ export function build(root, schema, act) {
     wrong(name) { // marks the row that was refused; none: clears
       for (const [n, { node }] of rows)
         node.classList.toggle("wrong", n === name);
-    },
-    find(text) {
-      for (const { node, text: all } of rows.values())
-        node.hidden = !all.includes(text.toLowerCase());
-      for (const [name, { list, unfold }] of groups) {
-        list.parentNode.hidden = !list.querySelector(".row:not([hidden])");
-        unfold(!!text || act.open(name));
-      }
     },
   };
 }
