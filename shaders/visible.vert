@@ -3,6 +3,7 @@
 // points' buffer.  THIN draws lines and leaves wide segments to WIDE, which
 // draws camera-facing quads; both decide by the same number.
 #include "scene.glsl"
+#include "keep.glsl"
 
 #ifdef WITH_OPACITY
 layout(std430, binding = 2) readonly buffer Opacity { float opacity_of[]; };
@@ -11,12 +12,13 @@ float opacity_at(uint i) { return opacity_of[i]; }
 float opacity_at(uint i) { return hair_colour.w; }
 #endif
 
-out float along;        // 0..1 on the segment
-out float keep;         // probability that this sample keeps the fragment
+out float along;         // 0..1 on the segment
+out float keep;          // share of the samples that keep the fragment
+flat out float drawn;    // this strand's number in this sample: kept if below
 flat out uint segment;
 
 // A line covers one pixel across its minor axis; below this width a strand's
-// keep probability stays under 1 for every slope.
+// share stays under 1 for every slope.
 const float THIN_BELOW = 0.7;
 
 void main()
@@ -31,7 +33,7 @@ void main()
 #endif
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // clipped away
     along = end ? 1.0 : 0.0;
-    keep = 0.0;
+    keep = drawn = 0.0;
     segment = i;
     vec4 p0 = points[i];
     if (p0.w < 0.0)
@@ -40,22 +42,14 @@ void main()
     vec4 c0 = clip_of(p0.xyz), c1 = clip_of(p1.xyz);
     if (max(c0.w, c1.w) <= size.w)
         return; // behind the eye
-    float d0 = p0.w, d1 = abs(p1.w);
-    float middle = (d0 + d1) * size.z / max(c0.w + c1.w, 2.0 * size.w);
+    vec2 d = vec2(p0.w, abs(p1.w));
+    float middle = (d.x + d.y) * size.z / max(c0.w + c1.w, 2.0 * size.w);
+    vec2 width = d * size.z / max(vec2(c0.w, c1.w), size.w); // pixels
+    vec2 share = vec2(opacity_at(i), opacity_at(i + 1u));
     vec4 c = end ? c1 : c0;
-    float width = (end ? d1 : d0) * size.z / max(c.w, size.w); // pixels
-    float opacity = opacity_at(end ? i + 1u : i);
 #ifdef WIDE
     if (middle < THIN_BELOW)
         return;
-    // Both quads that meet at a point use its own tangent: no gap between.
-    vec3 t = tangent_at(end ? i + 1u : i);
-    vec4 ct = view_proj * vec4(t, 0.0);
-    vec2 run = (ct.xy * c.w - c.xy * ct.w) * size.xy;
-    float n = dot(run, run);
-    vec2 across = n > 0.0 ? vec2(-run.y, run.x) * inversesqrt(n) : vec2(1, 0);
-    c.xy += side * width * across / size.xy * c.w;
-    keep = opacity;
 #else
     if (middle >= THIN_BELOW)
         return;
@@ -64,7 +58,20 @@ void main()
     vec2 run = abs(pixel_of(c1) - pixel_of(c0));
     float longest = max(run.x, run.y);
     float slope = longest > 0.0 ? length(run) / longest : 1.0;
-    keep = min(width * slope, 1.0) * opacity;
+    share *= min(width * slope, 1.0);
+#endif
+    keep = end ? share.y : share.x;
+    drawn = keep_draw(strand_of[i], sample_index.x);
+    if (drawn >= max(share.x, share.y))
+        return; // no fragment of it would be kept
+#ifdef WIDE
+    // Both quads that meet at a point use its own tangent: no gap between.
+    vec3 t = tangent_at(end ? i + 1u : i);
+    vec4 ct = view_proj * vec4(t, 0.0);
+    vec2 way = (ct.xy * c.w - c.xy * ct.w) * size.xy;
+    float n = dot(way, way);
+    vec2 across = n > 0.0 ? vec2(-way.y, way.x) * inversesqrt(n) : vec2(1, 0);
+    c.xy += side * (end ? width.y : width.x) * across / size.xy * c.w;
 #endif
     c.xy += jitter.xy * c.w;
     gl_Position = c;
