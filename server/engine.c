@@ -298,6 +298,7 @@ static void do_capture(struct engine *e)
         pthread_mutex_unlock(&e->lock);
         event.ok = studio_capture_end(&e->studio, &c.how, wish.revision,
                                       &event.frame, &event.error);
+        event.frame.received_us = wish.received_us;
         pthread_mutex_lock(&e->lock);
     }
     if (capture_goes_on(e))
@@ -340,15 +341,14 @@ static void do_install(struct engine *e)
     loader_item_free(item);
 }
 
-static void wait_until(struct engine *e, int64_t until)
+// False when the time `until` (clock_us) has come.
+static bool wait_until(struct engine *e, pthread_cond_t *cond, int64_t until)
 {
-    if (until == INT64_MAX) {
-        pthread_cond_wait(&e->work, &e->lock);
-        return;
-    }
+    if (until == INT64_MAX)
+        return pthread_cond_wait(cond, &e->lock) == 0;
     struct timespec t = {.tv_sec = until / 1000000,
                          .tv_nsec = until % 1000000 * 1000};
-    pthread_cond_timedwait(&e->work, &e->lock, &t);
+    return pthread_cond_timedwait(cond, &e->lock, &t) != ETIMEDOUT;
 }
 
 static void render_turns(struct engine *e)
@@ -366,7 +366,7 @@ static void render_turns(struct engine *e)
             e->viewers_next = false;
         } else {
             e->viewers_next = false;
-            wait_until(e, until);
+            wait_until(e, &e->work, until);
             continue;
         }
         if (e->first)
@@ -458,16 +458,13 @@ struct engine *engine_create(struct engine_setup *setup, struct error *err)
 bool engine_stop(struct engine *e, int wait_ms)
 {
     int64_t until = clock_us() + (int64_t)wait_ms * 1000;
-    struct timespec t = {.tv_sec = until / 1000000,
-                         .tv_nsec = until % 1000000 * 1000};
     if (e->loader)
         loader_stop(e->loader);
     pthread_mutex_lock(&e->lock);
     e->stop = true;
     pthread_cond_broadcast(&e->work);
-    int late = 0;
-    while (e->started && !e->ended && late != ETIMEDOUT)
-        late = pthread_cond_timedwait(&e->change, &e->lock, &t);
+    while (e->started && !e->ended && wait_until(e, &e->change, until))
+        continue;
     bool ended = !e->started || e->ended;
     pthread_mutex_unlock(&e->lock);
     while (e->loader && !loader_ended(e->loader) && clock_us() < until)
@@ -478,15 +475,6 @@ bool engine_stop(struct engine *e, int wait_ms)
         pthread_join(e->render, NULL);
     e->started = false;
     return true;
-}
-
-static void free_loaded(struct loader_item *item)
-{
-    while (item) {
-        struct loader_item *next = item->next;
-        loader_item_free(item);
-        item = next;
-    }
 }
 
 void engine_destroy(struct engine *e)
@@ -502,7 +490,11 @@ void engine_destroy(struct engine *e)
         e->captures = next;
     }
     loader_destroy(e->loader);
-    free_loaded(e->loaded);
+    while (e->loaded) {
+        struct loader_item *next = e->loaded->next;
+        loader_item_free(e->loaded);
+        e->loaded = next;
+    }
     pthread_cond_destroy(&e->change);
     pthread_cond_destroy(&e->work);
     pthread_mutex_destroy(&e->lock);

@@ -267,5 +267,8 @@ bool studio_capture_end(struct studio *s, const struct still_encoding *how,
     };
     struct still_request q = {.state = &state, .how = *how, .with_state = true};
     *out = (struct studio_frame){.asked = *how, .revision = revision};
-    return make(s, &q, out, err);
+    bool ok = make(s, &q, out, err);
+    s->render_ms = 0;
+    s->stepped = false;
+    return ok;
 }

@@ -246,6 +246,8 @@ int verb_serve_run(int argc, char **argv)
         }
         take_apart(&v);
         status = ok ? 0 : options_fail(&err);
+        if (!ok && strcmp(err.code, "syntax") == 0)
+            status = 2; // of an option's text
     }
     options_list_finish(&v.roots);
     options_list_finish(&v.allowed);
