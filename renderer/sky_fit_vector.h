@@ -20,7 +20,8 @@ void sky_fit_vector_add(double *y, double s, const float *a, size_t n);
 
 // out[i * stride + j] (j <= i < columns) = sum over rows of a_i b_j, for
 // columns of `rows` floats one after the other.  Single-precision sums over
-// 128 rows (which divides rows), added up in double: good to 1e-6.
+// 256 rows (which divides rows), added up in double: good to 1e-6.
+// Large ones take a second thread.
 void sky_fit_vector_gram(const float *a, size_t rows, size_t columns,
                          double *out, size_t stride);
 
