@@ -81,7 +81,8 @@ void schema_params(struct json *j)
 // --- text -------------------------------------------------------------------
 
 // What may be written there: "0.1 .. 60", "jpeg, png, exr", "on, off".
-static void legal(struct buf *out, const struct params_row *row)
+static void legal(struct buf *out, const struct params_row *row,
+                  const char *unit)
 {
     char lo[NUMBER_BUFFER], hi[NUMBER_BUFFER];
     if (row->type == PARAMS_BOOL)
@@ -92,7 +93,7 @@ static void legal(struct buf *out, const struct params_row *row)
     if (has_range(row)) {
         number_print(lo, row->min);
         number_print(hi, row->max);
-        buf_printf(out, "%s .. %s", lo, hi);
+        buf_printf(out, "%s .. %s%s%s", lo, hi, unit[0] ? " " : "", unit);
     }
     if (row->has_auto)
         buf_text(out, " or auto");
@@ -105,7 +106,7 @@ static void table_row(struct buf *out, const struct params *defaults,
                type_names[row->type]);
     edit_print(out, defaults, row);
     buf_text(out, "` | ");
-    legal(out, row);
+    legal(out, row, "");
     buf_printf(out, " | %s | ", row->unit);
     for (const char *c = row->doc; *c; c++) {
         if (*c == '|')
@@ -161,8 +162,8 @@ static void summary(struct buf *out, const struct params_row *row)
     edit_print(&value, &defaults, row);
     buf_printf(out, "%-22.*s %-18.*s ", (int)name.size, (char *)name.data,
                (int)value.size, (char *)value.data);
-    legal(out, row);
-    buf_printf(out, "%s%s\n", row->unit[0] ? " " : "", row->unit);
+    legal(out, row, row->unit);
+    buf_byte(out, '\n');
     buf_finish(&name);
     buf_finish(&value);
 }
