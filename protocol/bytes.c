@@ -98,6 +98,8 @@ void buf_printf(struct buf *b, const char *fmt, ...)
 
 void buf_drop(struct buf *b, size_t n)
 {
+    if (n == 0) // an empty buffer has no data to point into
+        return;
     memmove(b->data, b->data + n, b->size - n);
     b->size -= n;
 }

@@ -46,16 +46,18 @@ static bool open_temp(struct save *s)
                s->path + folder);
     buf_byte(&name, 0);
     s->temp = (char *)name.data;
-    s->fd = mkostemp(s->temp, O_CLOEXEC);
-    if (s->fd < 0) {
-        free(s->temp);
-        s->temp = NULL;
-        return false;
-    }
+    // Before the file exists: mkostemp writes its name where we look for it.
     unfinished = s->temp;
     sigaction(SIGINT, &act, NULL);
     sigaction(SIGTERM, &act, NULL);
     sigaction(SIGHUP, &act, NULL);
+    s->fd = mkostemp(s->temp, O_CLOEXEC);
+    if (s->fd < 0) {
+        unfinished = NULL;
+        free(s->temp);
+        s->temp = NULL;
+        return false;
+    }
     // mkstemp makes private files; a picture gets the usual permissions.
     mode_t mask = umask(0);
     umask(mask);
