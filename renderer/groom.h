@@ -24,14 +24,14 @@ struct groom {
     char name[64]; // file name without folders, or "builtin:ponytail"
     uint32_t strands;
     uint32_t points;
-    uint32_t *first;   // [strands + 1] index of each strand's first point;
-                       // every strand has at least two points
-    float *position;   // [3 * points], root first
-    float *diameter;   // [points] in file units, or NULL: none in the file
-    float *opacity;    // [points] 0..1 (1 - the file's transparency), or NULL
-    float *colour;     // [3 * points] linear RGB, or NULL
-    float default_diameter; // file units; 0 = unknown, take the automatic one
-    float default_opacity;  // 0..1, where opacity is NULL; 1 when unknown
+    uint32_t *first; // [strands + 1] index of each strand's first point;
+                     // every strand has at least two points
+    float *position; // [3 * points], root first
+    float *diameter; // [points] in file units, or NULL: none in the file
+    float *opacity;  // [points] 0..1 (1 - the file's transparency), or NULL
+    float *colour;   // [3 * points] linear RGB, or NULL
+    float default_diameter;  // file units; 0 = unknown, take the automatic one
+    float default_opacity;   // 0..1, where opacity is NULL; 1 when unknown
     float default_colour[3]; // where colour is NULL; 1,1,1 when unknown
     float box_min[3], box_max[3];
     struct groom_head head;

@@ -103,7 +103,7 @@ static float length_of(const struct groom_style *style,
                    (1 - style->layered * high);
     if (root->fly)
         length *= 0.45f + 0.5f * vec_random(root->id, STREAM_STRAY3);
-    return length;
+    return fmaxf(length, 4);
 }
 
 struct groom_dress *groom_builtin_dress_create(const struct groom_style *style,

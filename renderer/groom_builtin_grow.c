@@ -22,7 +22,8 @@ static struct vec3 comb_at(const struct groom_style *style,
     across +=
         (fmaxf(across * root->side, 0.9f) * root->side - across) * (1 - behind);
     struct vec3 away = vec_unit(vec(across, fmaxf(p.y - style->crown, 0), 0));
-    away.y += style->sweep * vec_smoothstep(5, -6, p.y);
+    away.y += style->sweep * vec_smoothstep(5, -6, p.y) +
+              0.6f * vec_smoothstep(-4, 6, p.y);
     // The face stays free: in front of it the comb only goes sideways.
     float face = vec_smoothstep(-3, -8, p.y) * vec_smoothstep(8, 2, p.z);
     away.x += face * root->side;
@@ -89,7 +90,7 @@ static struct habit habit_of(const struct groom_style *style,
     float deep = vec_random(root->id, STREAM_LAYER);
     float high = 0.2f + 0.8f * vec_smoothstep(-0.6f, 0.6f, root->dir.z);
     struct habit h = {
-        .layer = style->layer * high * (0.12f + 0.88f * sqrtf(deep)),
+        .layer = style->layer * high * (0.10f + 0.90f * deep),
         .stiffness = style->stiffness,
         .comb_turn =
             0.30f * groom_builtin_head_noise(vec_scale(root->p, 0.4f), 5) +
@@ -117,40 +118,70 @@ static struct vec3 first_direction(const struct groom_style *style,
     return vec_unit(vec_mad(comb, lift, normal));
 }
 
+// Below this nothing is left of a strand after the cut, whatever its lock does.
+static float lowest_of_use(const struct groom_style *style,
+                           const struct groom_root *root)
+{
+    float cut = root->fringe ? style->cut_fringe : style->cut;
+    return cut - style->ragged - 6;
+}
+
+// A growing strand: place, direction, what it knows of the head there, and how
+// much the comb still holds and the root still keeps it down.
+struct tip {
+    struct vec3 p, t, normal;
+    float height, comb, low;
+};
+
+static void advance(const struct groom_style *style,
+                    const struct groom_root *root, const struct habit *habit,
+                    float s, struct tip *tip)
+{
+    struct vec3 d = pull_at(style, tip->p, s), n = tip->normal;
+    float lie = habit->layer * (1 - tip->low);
+    if (tip->height < style->layer + 4) {
+        struct vec3 comb = comb_at(style, root, tip->p, n);
+        comb = vec_mad(comb, -vec_dot(comb, n), n);
+        comb = vec_mad(comb, habit->comb_turn, vec_cross(n, comb));
+        float near =
+            vec_smoothstep(style->layer + 4, style->layer, tip->height);
+        d = vec_unit(vec_mad(d, style->comb * tip->comb * near, comb));
+        d = slide(d, n, 0.45f * (lie - tip->height));
+    }
+    if (tip->p.z < -8)
+        d = slide_neck(tip->p, d, habit->layer);
+    float turn = style->step / (style->step + habit->stiffness);
+    tip->t = vec_unit(vec_mix(tip->t, vec_unit(d), turn));
+    tip->p = vec_mad(tip->p, style->step, tip->t);
+    tip->height = groom_builtin_head_height(tip->p, &tip->normal);
+    float least = 0.05f + 0.15f * lie;
+    if (tip->height < least) {
+        tip->p = vec_mad(tip->p, least - tip->height, tip->normal);
+        tip->height = least;
+    }
+}
+
 void groom_builtin_grow(const struct groom_style *style,
                         const struct groom_root *root, float length,
                         struct groom_curve *curve)
 {
     struct habit habit = habit_of(style, root);
-    struct vec3 p = root->p, n;
-    groom_builtin_head_height(p, &n);
-    struct vec3 t = first_direction(style, root, n);
-    float turn = 1 - expf(-style->step / habit.stiffness);
-    float fade = 1, fade_step = expf(-style->step / style->comb_length);
-    float rise = 1, rise_step = expf(-style->step / 6);
+    struct tip tip = {.p = root->p, .comb = 1, .low = 1};
+    tip.height = groom_builtin_head_height(tip.p, &tip.normal);
+    tip.t = first_direction(style, root, tip.normal);
+    float comb_step = expf(-style->step / style->comb_length);
+    float low_step = expf(-style->step / 6);
+    float end = lowest_of_use(style, root);
     int count = 1 + (int)ceilf(length / style->step);
-    curve->n = count < GROOM_CURVE_MAX ? count : GROOM_CURVE_MAX;
+    if (count > GROOM_CURVE_MAX)
+        count = GROOM_CURVE_MAX;
+    curve->n = 0;
     curve->step = style->step;
-    curve->p[0] = p;
-    for (int k = 1; k < curve->n; k++) {
-        float height = groom_builtin_head_height(p, &n);
-        struct vec3 d = pull_at(style, p, (float)k * style->step);
-        struct vec3 comb = comb_at(style, root, p, n);
-        comb = vec_mad(comb, -vec_dot(comb, n), n);
-        comb = vec_mad(comb, habit.comb_turn, vec_cross(n, comb));
-        float near = vec_smoothstep(style->layer + 4, style->layer, height);
-        d = vec_unit(vec_mad(d, style->comb * fade * near, comb));
-        d = slide(d, n, 0.45f * (habit.layer * (1 - rise) - height));
-        if (p.z < -8)
-            d = slide_neck(p, d, habit.layer);
-        t = vec_unit(vec_mix(t, vec_unit(d), turn));
-        p = vec_mad(p, style->step, t);
-        float floor_height = 0.05f + 0.15f * habit.layer * (1 - rise);
-        height = groom_builtin_head_height(p, &n);
-        if (height < floor_height)
-            p = vec_mad(p, floor_height - height, n);
-        curve->p[k] = p;
-        fade *= fade_step;
-        rise *= rise_step;
+    curve->tie = 0;
+    for (int k = 0; k < count && (k < 2 || tip.p.z > end); k++) {
+        curve->p[curve->n++] = tip.p;
+        advance(style, root, &habit, (float)(k + 1) * style->step, &tip);
+        tip.comb *= comb_step;
+        tip.low *= low_step;
     }
 }

@@ -119,7 +119,8 @@ void groom_builtin_tail(const struct groom_style *style,
                         const struct groom_root *root, float length,
                         struct groom_curve *curve)
 {
-    *curve = (struct groom_curve){.n = 1, .step = style->step};
+    curve->n = 1;
+    curve->step = style->step;
     curve->p[0] = root->p;
     float u, v;
     bundle_place(root, &u, &v);
