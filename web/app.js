@@ -7,7 +7,7 @@ import { hand, orbit, pan, screen, zoom } from "./view.js";
 const $ = (id) => document.getElementById(id);
 const pick = (from, test) =>
   Object.fromEntries(Object.entries(from).filter(([k, v]) => test(k, v)));
-const LOOK = /^(hair|fibre|sky|light|tint|render|view)\./; // what A and B hold
+const SHARED = /^(camera|image|quality|output)\./; // by the looks A and B
 const OPEN = ["fibre", "light", "tint", "view"]; // groups, at first
 
 let panel, schema;  // the schema as text, to see whether it changed
@@ -121,8 +121,8 @@ async function measure() {
   times();
 }
 
-// What can be shown of the output the state asks for; qualities only when they
-// were set, else the server's own choice: fast while editing, then fine.
+// Of the output that the state asks for, what can be shown; a quality only when
+// it was set: the server's own choice is fast while editing, then fine.
 let streamed = "";
 function streaming() {
   const [format, quality, chroma] = ["format", "quality", "chroma"]
@@ -200,19 +200,21 @@ function shown({ body, ...head }) {
 }
 
 function times() {
-  if ($("times").hidden || !frame)
+  if ($("times").hidden || !frame || !stats)
     return;
-  const part = (from, f) => [...Object.entries(from ?? {})
+  const { memory, left_out: left, fit: sky, device } = stats;
+  const part = (from, f) => [...Object.entries(from)
     .map(([k, v]) => k.padEnd(12) + f(v).padStart(9)), ""];
-  $("times").textContent = [...part(frame.stages, (x) => ms(x) + " ms"),
-    ...part(stats?.memory, size), ...(stats?.left_out ?? []).map((x) =>
-      `without ${x.what}: ${x.why}` + (x.bound ? `, error below ${short(x.bound, 2)}` : "")),
-    stats?.device].join("\n");
+  $("times").textContent = [...part(frame.stages, (x) => ms(x) + " ms"), ...part(memory, size),
+    `${sky.lights} lights, error to expect ${short(sky.predicted_error, 2)}`,
+    ...left.map((x) => `without ${x.what}: ${x.why}, error below ${short(x.bound, 2)}`),
+    device].join("\n");
 }
 function unfold(on) {
   $("frame").setAttribute("aria-expanded", on);
   $("times").hidden = !on;
   times();
+  $("times").scrollIntoView({ block: "nearest" });
 }
 $("frame").onclick = () => unfold(open("frame", $("times").hidden));
 unfold(open("frame"));
@@ -278,7 +280,8 @@ function chooser(verb) {
   const select = $(verb), path = $(verb + "-path");
   let now;
   function put(source) {
-    select.value = now = source;
+    now = source;
+    select.value = source.replace("builtin:", "");
     path.hidden = select.selectedIndex >= 0;
     if (!path.hidden) {
       select.value = "";
@@ -299,7 +302,7 @@ function chooser(verb) {
   }
   select.onchange = () => {
     path.hidden = !!select.value;
-    path.hidden ? load(select.value) : path.focus();
+    path.hidden ? load("builtin:" + select.value) : path.focus();
   };
   path.onchange = () => path.value && load(path.value);
   return put;
@@ -310,7 +313,7 @@ const choosers = { hair: chooser("hair"), env: chooser("env") };
 const looks = [];
 let side = 0;
 function compare() {
-  const now = looks[side] = pick(values, (k) => LOOK.test(k));
+  const now = looks[side] = pick(values, (k) => !SHARED.test(k));
   side = 1 - side;
   const other = looks[side] ??= now;
   $("ab").textContent = "AB"[side];

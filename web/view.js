@@ -50,7 +50,7 @@ export function screen(canvas, on) {
       bitmap.close();
       on.shown(frame);
     } catch {
-      on.failed(`a browser cannot show ${frame.format} frames`);
+      on.failed(`a frame in ${frame.format} could not be shown`);
     }
     on.done(frame);
   }

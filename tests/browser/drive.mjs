@@ -73,6 +73,7 @@ const browser = await chromium.launchPersistentContext(profile, {
   args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync"],
 });
+await browser.grantPermissions(["clipboard-read", "clipboard-write"]);
 const page = browser.pages()[0] ?? await browser.newPage();
 page.setDefaultTimeout(WAIT);
 const complaints = [];
@@ -95,15 +96,16 @@ await page.addInitScript(() => {
 const text = (id) => page.textContent("#" + id);
 const revision = async () => +(await text("rev")).slice(1);
 // Waits for the final picture of a revision after `old`, then for quiet: the
-// last frame of a state may come twice, the second time in better quality.
+// last frame of a state may come again in better quality, 0.3 s after the edit.
 async function settled(old) {
-  let before = "";
+  let before = "", since = 0;
   await until("a final picture after revision " + old, async () => {
     const now = [await text("rev"), await text("level"), await text("size")].join();
-    const quiet = now === before;
+    if (now !== before)
+      since = Date.now();
     before = now;
-    await sleep(350);
-    return { ok: quiet && /^r(\d+),final/.test(now) && +RegExp.$1 > old, now };
+    const [, is] = /^r(\d+),final/.exec(now) ?? [];
+    return { ok: is > old && Date.now() - since > 400, now };
   });
 }
 const snap = (name) => page.evaluate((n) => {
@@ -309,6 +311,23 @@ await test("edit_of_another_client_shows", async () => {
   await until("21.5", async () => await control("fibre.w_c, exact").inputValue() === "21.5");
 });
 
+await test("looks_a_and_b_and_copy", async () => {
+  const eta = control("fibre.eta, exact");
+  await page.click("#ab");
+  await change(() => control("fibre.eta").focus().then(() => page.keyboard.press("End")));
+  check(await eta.inputValue() === "3", "End sets", await eta.inputValue());
+  await page.click("#copy");
+  const line = await page.evaluate(() => navigator.clipboard.readText());
+  check(/^set .*\bfibre\.eta=3\b/.test(line) && !line.includes("sigma_a"), line);
+  await change(() => page.click("#ab"));
+  check(await eta.inputValue() === "1.55", "A has", await eta.inputValue());
+  await snap("a");
+  const d = await change(() => page.click("#ab"));
+  check(await eta.inputValue() === "3" && d > CLEAR, "B has", await eta.inputValue(), "changed by", d);
+  await change(() => page.click("#ab"));
+  check(await differ("a", "after") === 0, "A is not what it was");
+});
+
 await test("capture_png_and_exr", async () => {
   for (const [id, magic] of [["png", "89504e470d0a1a0a"], ["exr", "762f3101"]]) {
     const [file] = await Promise.all([page.waitForEvent("download"), page.click("#" + id)]);
@@ -338,6 +357,12 @@ await test("layouts", async () => {
         id, "at", width, JSON.stringify(box));
     }
   }
+  await change(() => page.click("#fit"));
+  const [a, b] = await page.evaluate(() => ["picture", "stage"].map((id) =>
+    document.getElementById(id)).map((e) => [e.clientWidth, e.clientHeight].join()));
+  check(a === b, "fit: the picture has", a, "the stage", b);
+  await page.click("#fit");
+  await change(() => page.click("#undo"));
   await page.setViewportSize({ width: 1280, height: 800 });
 });
 
