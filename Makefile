@@ -101,7 +101,8 @@ $(B)/tests/%: tests/%.c $(LIB_OBJS)
 	@mkdir -p $(@D)
 	$(call say,CC $<)
 	$(Q)$(CC) $(CFLAGS_ALL) -MMD -MP -MF $@.d $(LDFLAGS_ALL) -o $@ $< \
-	    $(filter-out $(wildcard $(dir $<)test_*.c),$(wildcard $(dir $<)*.c)) \
+	    $(filter-out $(wildcard $(dir $<)test_*.c $(dir $<)bench_*.c), \
+	        $(wildcard $(dir $<)*.c)) \
 	    $(LIB_OBJS) $(LIBS_D)
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)
@@ -123,6 +124,14 @@ test-long: export GLINT_LONG = 1
 test-long: test
 .PHONY: tests-built
 tests-built: floors $(B)/glintd $(B)/glint $(CTEST_BINS)
+
+# Timings; not part of the tests.  make bench-stages ARGS="animation straight"
+BENCHES := $(patsubst tests/bench/%.c,$(B)/tests/bench/%,\
+	$(wildcard tests/bench/bench_*.c))
+.PHONY: bench-stages
+bench-stages: deps
+	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_stages
+	@$(B)/tests/bench/bench_stages $(ARGS)
 
 # --- house rules ------------------------------------------------------------
 # Includes point down only: tests -> server -> renderer -> protocol.
