@@ -23,8 +23,11 @@ static const double hair_blur = 50;      // kappa; lambda 0.2
 static const double weight_floor = 0.05; // of the mean brightness
 static const double sun_lambda = 0.02;   // no narrower lobe: a true sun has
                                          // 0.008, hair cannot tell
-static const double plain_min = 0.05;    // a sample's spacing on the fine grid
-static const double plain_max = 4;       // all but constant
+// Widest lobe of N: wide ones have no one transmittance, narrower ones leave
+// ripples in an even sky; with 2 instead these reach half a percent of shading.
+static const double widest = 2.2;     // over sqrt(N)
+static const double plain_min = 0.05; // a sample's spacing on the fine grid
+static const double plain_max = 4;    // all but constant
 
 double sky_fit_target_omega(double kappa)
 {
@@ -150,7 +153,7 @@ static void make_hair(struct sky_fit_target *t, const struct fine *f,
     t->blur = hair_blur;
     double blur_lambda = sqrt(2 / t->blur);
     t->lambda_min = hypot(sun_lambda, blur_lambda);
-    t->lambda_max = hypot(2 / sqrt(lights), blur_lambda);
+    t->lambda_max = hypot(widest / sqrt(lights), blur_lambda);
     make_grid(t, COARSE_W, COARSE_H);
     for (int yi = 0; yi < COARSE_H; yi++)
         for (int ys = 0; ys < FINE_H; ys++)

@@ -20,7 +20,7 @@ struct sky_fit_target {
     bool black;           // the map holds no light at all
 };
 
-// lights sets the upper bound of lambda in the hair mode: 2 / sqrt(lights)
+// lights sets the upper bound of lambda in the hair mode: 2.2 / sqrt(lights)
 // before the blur (wide lobes and shadows do not go together).
 void sky_fit_target_init(struct sky_fit_target *t, const struct sky_map *map,
                          int lights, enum sky_fit_mode mode);
