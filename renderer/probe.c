@@ -61,9 +61,10 @@ static bool dispatch(struct probe *p, int kind, unsigned count,
 {
     if (!p->program[kind]) {
         char defines[96];
-        snprintf(defines, sizeof defines, "XU_M=%d%s%s", p->setup.m,
+        snprintf(defines, sizeof defines, "XU_M=%d%s%s%s", p->setup.m,
                  p->setup.fine_nodes ? " XU_FINE_NODES" : "",
-                 kind == ECCENTRIC ? " XU_ECCENTRIC" : "");
+                 kind == ECCENTRIC ? " XU_ECCENTRIC" : "",
+                 p->setup.opaque ? " XU_NO_TT_TRT" : "");
         p->program[kind] = program_compute("probe.comp", defines, err);
         if (!p->program[kind])
             return false;

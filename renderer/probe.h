@@ -20,6 +20,7 @@ struct probe_setup { // scheme `paper`
     bool fine_nodes; // the layout that converges, else the printed one
     int tables;      // times the paper's resolution, 1..8
     double delta_eta;
+    bool opaque; // the variant without TT and TRT
 };
 
 struct probe; // two program variants, buffers and tables

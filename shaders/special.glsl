@@ -55,14 +55,27 @@ float special_atan01(float x)
     return x * p;
 }
 
+// cos on [-pi/2, pi/2], never negative, zero at both ends; absolute error 1e-7.
+float special_cos(float x)
+{
+    float u = min(x * x, 2.4674011);
+    float p = -5.94830079e-05 + 6.36755509e-07 * u;
+    p = 0.00327995779 + p * u;
+    p = -0.0947152477 + p * u;
+    p = 0.999999999 + p * u;
+    return max(1.0 - u * 0.405284735, 0.0) * p;
+}
+
 // Integral over a period of the product of two circular Gaussians,
 //   exp(k1 (cos x - 1)) exp(k2 (cos(d - x) - 1)),
-// without 2 pi; cos2, sin2 are the squares of cos(d/2), sin(d/2).  Written so
-// that no two large numbers are subtracted but k1 - k2.
-vec3 special_gauss_product(float k1, vec3 k2, vec3 cos2, vec3 sin2)
+// is 2 pi value exp(-less); cos2, sin2 are the squares of cos(d/2), sin(d/2).
+// Written so that no two large numbers are subtracted but k1 - k2.
+vec3 special_gauss_product(float k1, vec3 k2, vec3 cos2, vec3 sin2,
+                           out vec3 less)
 {
     vec3 four = 4.0 * k1 * k2, apart = k1 - k2, rest;
     vec3 k = sqrt(apart * apart + four * cos2);
     vec3 i0 = special_i0(k, rest);
-    return i0 * exp(-rest - four * sin2 / (k + k1 + k2 + 1e-30));
+    less = rest + four * sin2 / (k + k1 + k2 + 1e-30);
+    return i0;
 }

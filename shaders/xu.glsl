@@ -66,13 +66,12 @@ XuLight xu_light(Srbf l, float phi_o)
 
 XuPlace xu_place(float theta_i, float theta_o, XuLight l)
 {
-    theta_i = clamp(theta_i, -XU_HALF_PI, XU_HALF_PI);
-    float theta_d = 0.5 * (theta_o - theta_i);
-    float ci = max(cos(theta_i), 0.0), cd = max(cos(theta_d), 1e-6);
+    float theta_d = 0.5 * (theta_o - theta_i), ci = special_cos(theta_i);
     XuPlace p;
-    p.cos_d = cd;
+    p.cos_d = max(special_cos(theta_d), 1e-6);
     p.theta = abs(theta_d) * (1.0 / XU_HALF_PI);
-    p.fall = min(ci * ci / (cd * cd), 4.0);
+    p.fall = ci / p.cos_d;
+    p.fall = min(p.fall * p.fall, 4.0);
     p.kappa = l.kappa * ci;
     return p;
 }
@@ -104,29 +103,68 @@ vec3 xu_at_trt(Fibre f, XuLight l, XuPlace p)
 
 #include "xu_nodes.glsl"
 
-// One node of each mode: theta_i and weight, x = R, y = TT, z = TRT.
-void xu_add_node(Fibre f, XuLight l, float theta_o, vec3 theta_i, vec3 weight,
-                 inout vec3 R, inout vec3 TT, inout vec3 TRT)
+#ifdef XU_NODES_FOUR
+// Written out: a loop of three turns costs a CPU renderer a third more.
+float xu_sum_r(Fibre f, XuLight l, XuLong g, float theta_o)
 {
-    R += weight.x * xu_at_r(f, l, xu_place(theta_i.x, theta_o, l));
-#ifndef XU_NO_TT_TRT
-    TT += weight.y * xu_at_tt(f, l, xu_place(theta_i.y, theta_o, l));
-    TRT += weight.z * xu_at_trt(f, l, xu_place(theta_i.z, theta_o, l));
-#endif
+    vec3 w = g.mass.x * xu_weights(g.lo.x, g.hi.x);
+    float mu = g.mu.x, d = g.width.x;
+    return w.x * xu_at_r(f, l, xu_place(mu - d, theta_o, l)) +
+           w.y * xu_at_r(f, l, xu_place(mu, theta_o, l)) +
+           w.z * xu_at_r(f, l, xu_place(mu + d, theta_o, l));
 }
 
-// M_t(omega_j, lambda_j) of eq 11 for each colour channel.
-void xu_modes(Fibre f, Srbf l, float theta_o, float phi_o, out vec3 R,
-              out vec3 TT, out vec3 TRT)
+vec3 xu_sum_tt(Fibre f, XuLight l, XuLong g, float theta_o)
 {
-    XuLong g = xu_long(f, l, theta_o);
-    XuLight light = xu_light(l, phi_o);
+    vec3 w = g.mass.y * xu_weights(g.lo.y, g.hi.y);
+    float mu = g.mu.y, d = g.width.y;
+    return w.x * xu_at_tt(f, l, xu_place(mu - d, theta_o, l)) +
+           w.y * xu_at_tt(f, l, xu_place(mu, theta_o, l)) +
+           w.z * xu_at_tt(f, l, xu_place(mu + d, theta_o, l));
+}
+
+vec3 xu_sum_trt(Fibre f, XuLight l, XuLong g, float theta_o)
+{
+    vec3 w = g.mass.z * xu_weights(g.lo.z, g.hi.z);
+    float mu = g.mu.z, d = g.width.z;
+    return w.x * xu_at_trt(f, l, xu_place(mu - d, theta_o, l)) +
+           w.y * xu_at_trt(f, l, xu_place(mu, theta_o, l)) +
+           w.z * xu_at_trt(f, l, xu_place(mu + d, theta_o, l));
+}
+
+void xu_sum(Fibre f, XuLight l, XuLong g, float theta_o, out vec3 R,
+            out vec3 TT, out vec3 TRT)
+{
+    R = vec3(xu_sum_r(f, l, g, theta_o));
+    TT = TRT = vec3(0.0);
+#ifndef XU_NO_TT_TRT
+    TT = xu_sum_tt(f, l, g, theta_o);
+    TRT = xu_sum_trt(f, l, g, theta_o);
+#endif
+}
+#else
+void xu_sum(Fibre f, XuLight l, XuLong g, float theta_o, out vec3 R,
+            out vec3 TT, out vec3 TRT)
+{
     R = TT = TRT = vec3(0.0);
     XuNodes n = xu_nodes_begin(g);
     for (int s = 0; s < xu_m - 1; s++) {
         vec3 t, weight;
         xu_nodes_next(n, g, s, t, weight);
-        xu_add_node(f, light, theta_o, g.mu + t * g.width, weight * g.mass, R,
-                    TT, TRT);
+        vec3 at = g.mu + t * g.width;
+        weight *= g.mass;
+        R += weight.x * xu_at_r(f, l, xu_place(at.x, theta_o, l));
+#ifndef XU_NO_TT_TRT
+        TT += weight.y * xu_at_tt(f, l, xu_place(at.y, theta_o, l));
+        TRT += weight.z * xu_at_trt(f, l, xu_place(at.z, theta_o, l));
+#endif
     }
+}
+#endif
+
+// M_t(omega_j, lambda_j) of eq 11 for each colour channel.
+void xu_modes(Fibre f, Srbf l, float theta_o, float phi_o, out vec3 R,
+              out vec3 TT, out vec3 TRT)
+{
+    xu_sum(f, xu_light(l, phi_o), xu_long(f, l, theta_o), theta_o, R, TT, TRT);
 }

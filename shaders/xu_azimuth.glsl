@@ -39,18 +39,20 @@ struct XuPlace { // what one theta_i says
 };
 
 struct XuPath {
-    float c;           // cos theta_d
-    float eta1, eta2;  // eta' and its square
+    float c;            // cos theta_d
+    float eta1, eta2;   // eta' and its square
+    float inverse_eta2; // 1 / eta'^2
+    float square_1;     // eta^2 - 1
     float over1, over4; // eta'^2 - 1, 4 - eta'^2 without cancellation
-    float f;           // Schlick's F at h = 0
-    float enter;       // (1 - f)^2
-    float f0;          // F at normal incidence
-    vec3 s;            // sigma_a'
-    vec3 t;            // T at h = 0, exp(-2 s)
+    float f;            // Schlick's F at h = 0
+    float enter;        // (1 - f)^2
+    float f0;           // F at normal incidence
+    vec3 s;             // sigma_a'; T = exp(-2 s) at h = 0
 };
 
-struct XuTt { // b g^c(phi; pi, .)
-    vec3 b, kappa;
+struct XuTt { // b exp(-dark) g^c(phi; pi, .)
+    float b;
+    vec3 dark, kappa;
 };
 
 // eta' < 2: b (g^c(phi; phi*, k.x) + g^c(phi; -phi*, k.y)) + b2 g^c(phi; 0, k.z)
@@ -107,52 +109,54 @@ XuPath xu_path(float eta_1, vec3 sigma_a, float c)
 {
     XuPath p;
     p.c = c;
-    float square_1 = eta_1 * (eta_1 + 2.0); // eta^2 - 1
-    float root = sqrt(square_1 + c * c);    // eta' cos theta_d
-    p.over1 = square_1 / (c * c);
+    p.square_1 = eta_1 * (eta_1 + 2.0);
+    float over_c = 1.0 / c, over_root = inversesqrt(p.square_1 + c * c);
+    p.over1 = p.square_1 * over_c * over_c;
     p.over4 = 3.0 - p.over1;
     p.eta2 = 1.0 + p.over1;
-    p.eta1 = root / c;
+    p.eta1 = p.eta2 * c * over_root; // eta' cos theta_d is the root
+    p.inverse_eta2 = c * c * over_root * over_root;
     p.f0 = eta_1 / (eta_1 + 2.0);
     p.f0 *= p.f0;
     p.f = p.f0 + (1.0 - p.f0) * xu_fifth(1.0 - c);
     p.enter = (1.0 - p.f) * (1.0 - p.f);
-    p.s = sigma_a * ((eta_1 + 1.0) / root);
-    p.t = exp(-2.0 * p.s);
+    p.s = sigma_a * ((eta_1 + 1.0) * over_root);
     return p;
 }
 
 // Sum of a_k H_k / (enter a_0): the Taylor series of the attenuation about
 // h = 0 (eq 18, 22), s = sigma_a' for TT, 2 sigma_a' for TRT.
-vec3 xu_energy(vec3 h, vec3 s, float eta2)
+vec3 xu_energy(vec3 h, vec3 s, float inverse_eta2)
 {
-    vec3 x = s / eta2;
-    return h.x + x * (h.y + h.z * (0.25 + 0.5 * s) / eta2);
+    vec3 x = s * inverse_eta2;
+    return h.x + x * (h.y + (h.z * inverse_eta2) * (0.25 + 0.5 * s));
 }
 
-// Eq 16, 17.  With E = 1/2 enter t energy and b = g enter t, enter and t
+// Eq 16, 17.  With E = 1/2 enter T energy and b = g enter T, enter and T
 // cancel in lambda_tt, which is therefore defined however dark the mode is.
 XuTt xu_tt_lobe(XuPath p, float eta_column, float theta)
 {
     vec2 at = xu_texel(vec2(eta_column, theta),
                        vec2(textureSize(xu_table_tt, 0)));
-    vec3 energy = xu_energy(textureLod(xu_table_tt, at, 0.0).rgb, p.s, p.eta2);
-    float g = p.eta1 * (p.eta1 + 1.0) / (4.0 * p.over1);
+    vec3 energy =
+        xu_energy(textureLod(xu_table_tt, at, 0.0).rgb, p.s, p.inverse_eta2);
+    // eta' (eta' + 1) / (4 (eta'^2 - 1))
+    float g = p.eta1 * (p.eta1 + 1.0) * p.c * p.c * (0.25 / p.square_1);
     vec3 k = 5.01325655 * g / energy; // sqrt(8 pi)
-    return XuTt(g * p.enter * p.t, k * k);
+    return XuTt(g * p.enter, 2.0 * p.s, k * k);
 }
 
 // eta' >= 2: one lobe whose width grows from w_c to what N_TRT(0) asks for.
-void xu_trt_single(Fibre f, XuPath p, vec3 energy, inout XuTrt n)
+// t2 = T^2 at h = 0.
+void xu_trt_single(Fibre f, XuPath p, vec3 t2, vec3 energy, inout XuTrt n)
 {
-    // N_TRT(0) = enter F t^2 / (2 |4/eta' - 2|)
-    float g = max(-p.over4, 0.0) / (p.eta1 * (p.eta1 + 2.0));
-    vec3 width = energy * (g / (0.886226925 * p.f)); // sqrt(pi)/2
+    // N_TRT(0) = enter F t2 / (2 |4/eta' - 2|)
+    float g = max(-p.over4, 0.0) / (0.886226925 * p.f * p.eta1 * (p.eta1 + 2.0));
     float t = clamp((p.eta1 - 2.0) / f.delta_eta, 0.0, 1.0);
-    width = mix(vec3(f.w_c), width, t * t * (3.0 - 2.0 * t));
-    n.b = 0.5 * p.enter * energy * p.t * p.t / (1.77245385 * width);
+    vec3 inverse = 1.0 / mix(vec3(f.w_c), energy * g, t * t * (3.0 - 2.0 * t));
+    n.b = (0.282094792 * p.enter) * energy * t2 * inverse; // 1/(2 sqrt pi)
     n.b2 = vec3(0.0);
-    n.kappa = 2.0 / (width * width);
+    n.kappa = 2.0 * inverse * inverse;
     n.cos_half = 1.0;
     n.sin_half = 0.0;
     n.three = false;
@@ -160,28 +164,26 @@ void xu_trt_single(Fibre f, XuPath p, vec3 energy, inout XuTrt n)
 
 // eta' < 2: eq 20, 21.  With z = h*^2 = (4 - eta'^2)/3 the angle phi* has
 // sin(phi*/2) = z^(3/2)/eta'^2 and cos(phi*/2) = sqrt(1-z) (4-z)/eta'^2.
-void xu_trt_triple(Fibre f, XuPath p, vec3 energy, inout XuTrt n)
+void xu_trt_triple(Fibre f, XuPath p, vec3 t2, vec3 energy, inout XuTrt n)
 {
     float z = max(p.over4 * (1.0 / 3.0), 1e-6);
-    n.sin_half = z * sqrt(z) / p.eta2;
-    n.cos_half = sqrt(p.over1 * (1.0 / 3.0)) * (4.0 - z) / p.eta2;
+    n.sin_half = z * sqrt(z) * p.inverse_eta2;
+    n.cos_half = sqrt(p.over1 * (1.0 / 3.0)) * (4.0 - z) * p.inverse_eta2;
     float angle = 4.0 * special_atan01(n.sin_half / (1.0 + n.cos_half));
     angle = max(angle, 1e-3); // nothing of b2 is left there
     // N_TRT(0) (eq 9): h = 0, and from eta' = sqrt 2 on the two h0 where
     // cos(gamma_i) = eta'^2/2 - 1 and cos(gamma_t) = eta'/2.
-    vec3 t2 = p.t * p.t;
     vec3 peak = (0.25 * p.eta1 * (p.eta1 + 2.0) * p.enter * p.f) * t2;
     float side = max(0.5 * p.eta2 - 1.0, 0.0);
     float f1 = p.f0 + (1.0 - p.f0) * xu_fifth(1.0 - p.c * side);
     peak += (0.5 * p.eta2 * side * (1.0 - f1) * (1.0 - f1) * f1) *
             exp(-2.0 * p.eta1 * p.s);
-    peak /= 3.0 * z;
-    float sc = n.sin_half / f.w_c;
+    float inverse_w = 1.0 / f.w_c, sc = n.sin_half * inverse_w;
     float away = 1.0 - exp(-4.0 * sc * sc);
-    n.b2 = peak * (away * away);
+    n.b2 = peak * (away * away / (3.0 * z));
     vec3 rest = 0.5 * p.enter * energy * t2 - 1.77245385 * angle * n.b2;
-    n.b = max(rest, 0.0) / (3.54490770 * f.w_c);
-    float kc = 2.0 / (f.w_c * f.w_c);
+    n.b = max(rest, 0.0) * (0.282094792 * inverse_w); // 1/(2 sqrt pi)
+    float kc = 2.0 * inverse_w * inverse_w;
     n.kappa = vec3(kc, kc, 2.0 / (angle * angle));
     n.three = true;
 }
@@ -191,12 +193,13 @@ XuTrt xu_trt_lobe(Fibre f, XuPath p, float eta_column, float theta)
     XuTrt n;
     vec2 at = xu_texel(vec2(eta_column, theta),
                        vec2(textureSize(xu_table_trt, 0)));
-    vec3 energy =
-        xu_energy(textureLod(xu_table_trt, at, 0.0).rgb, 2.0 * p.s, p.eta2);
+    vec3 energy = xu_energy(textureLod(xu_table_trt, at, 0.0).rgb, 2.0 * p.s,
+                            p.inverse_eta2);
+    vec3 t2 = exp(-4.0 * p.s);
     if (p.over4 > 0.0)
-        xu_trt_triple(f, p, energy, n);
+        xu_trt_triple(f, p, t2, energy, n);
     else
-        xu_trt_single(f, p, energy, n);
+        xu_trt_single(f, p, t2, energy, n);
     return n;
 }
 
@@ -216,7 +219,8 @@ vec3 xu_n_tt(XuTt n, XuLight l, float kappa)
 {
     // The lobe stands at pi, so the half angle's sine and cosine change places.
     vec3 c2 = vec3(l.sin_half * l.sin_half), s2 = vec3(l.cos_half * l.cos_half);
-    return 2.0 * XU_PI * n.b * special_gauss_product(kappa, n.kappa, c2, s2);
+    vec3 less, g = special_gauss_product(kappa, n.kappa, c2, s2, less);
+    return (2.0 * XU_PI * n.b) * g * exp(-n.dark - less);
 }
 
 vec3 xu_n_trt(XuTrt n, XuLight l, float kappa)
@@ -227,7 +231,8 @@ vec3 xu_n_trt(XuTrt n, XuLight l, float kappa)
     vec2 s = vec2(cc.y - ss.y, cc.y + ss.y);
     vec3 c2 = vec3(c * c, l.cos_half * l.cos_half);
     vec3 s2 = vec3(s * s, l.sin_half * l.sin_half);
-    vec3 g = special_gauss_product(kappa, n.kappa, c2, s2);
+    vec3 less, g = special_gauss_product(kappa, n.kappa, c2, s2, less);
+    g *= exp(-less);
     vec3 sum = n.three ? n.b * (g.x + g.y) + n.b2 * g.z : n.b * g;
     return 2.0 * XU_PI * sum;
 }

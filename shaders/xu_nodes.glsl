@@ -19,10 +19,6 @@ const float XU_ROOT = 0.886226925; // sqrt(pi)/2
 #ifdef XU_NODES_FOUR
 // Nodes at t = -1, 0, 1.  All weights are constants but those towards the two
 // ends of the range, which may cut into the nodes.
-struct XuNodes {
-    vec3 low, high;     // weight towards the range's end ...
-    vec3 first, last;   // ... of the first and of the last node inside
-};
 
 // An end at distance T from the centre, the node next to it at S < T, on the
 // same side counted: the weight of a function that falls from 1 at S to 0 at T.
@@ -30,8 +26,9 @@ vec2 xu_towards_end(vec2 T, out vec2 S)
 {
     bvec2 beyond = greaterThan(T, vec2(1.0)), outer = greaterThan(T, vec2(0.0));
     S = mix(mix(vec2(-1.0), vec2(0.0), outer), vec2(1.0), beyond);
-    vec2 es = mix(vec2(XU_E1), vec2(1.0), equal(S, vec2(0.0)));
-    vec2 qs = mix(vec2(XU_ERFC1), vec2(1.0), equal(S, vec2(0.0)));
+    bvec2 centre = equal(S, vec2(0.0));
+    vec2 es = mix(vec2(XU_E1), vec2(1.0), centre);
+    vec2 qs = mix(vec2(XU_ERFC1), vec2(1.0), centre);
     vec2 et = exp(-T * T), qt = special_erfc(T, et);
     vec2 E = XU_ROOT * abs(qs - qt), J = 0.5 * (es - et), d = T - S;
     // Where T meets S, f at the node has vanished with cos^2 theta_i.
@@ -39,29 +36,16 @@ vec2 xu_towards_end(vec2 T, out vec2 S)
                lessThan(d, vec2(1e-3)));
 }
 
-XuNodes xu_nodes_begin(XuLong g)
-{
-    XuNodes n;
-    for (int i = 0; i < 3; i++) {
-        vec2 S, w = xu_towards_end(vec2(-g.lo[i], g.hi[i]), S);
-        n.low[i] = w.x;
-        n.high[i] = w.y;
-        n.first[i] = -S.x;
-        n.last[i] = S.y;
-    }
-    return n;
-}
-
-void xu_nodes_next(inout XuNodes n, XuLong g, int s, out vec3 t,
-                   out vec3 weight)
+// Weights of the three nodes; lo, hi: t at the ends of the range.
+vec3 xu_weights(float lo, float hi)
 {
     const float near = 0.430764084, far = 0.316060279; // of a whole segment
-    float x = float(s - 1);
-    float left = s == 2 ? far : near, right = s == 0 ? far : near;
-    t = vec3(x);
-    weight = mix(vec3(left), n.low, equal(n.first, t)) +
-             mix(vec3(right), n.high, equal(n.last, t));
-    weight *= vec3(lessThan(g.lo, t)) * vec3(lessThan(t, g.hi));
+    const vec3 t = vec3(-1.0, 0.0, 1.0);
+    vec2 S, end = xu_towards_end(vec2(-lo, hi), S);
+    vec3 left = mix(vec3(0.0, near, far), vec3(end.x), equal(vec3(-S.x), t));
+    vec3 right = mix(vec3(far, near, 0.0), vec3(end.y), equal(vec3(S.y), t));
+    return (left + right) * vec3(lessThan(vec3(lo), t)) *
+           vec3(lessThan(t, vec3(hi)));
 }
 #else
 struct XuNodes { // the node before and the node at hand
