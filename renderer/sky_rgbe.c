@@ -27,6 +27,8 @@ static bool bad(struct error *err, const char *what)
 // The next line without its newline, at most 255 characters of it.
 static bool next_line(struct cursor *c, char line[256])
 {
+    if (c->at == c->end)
+        return false;
     const unsigned char *end = memchr(c->at, '\n', (size_t)(c->end - c->at));
     if (!end)
         return false;

@@ -25,6 +25,13 @@ static const char *const skies[] = {
     "pmndrs_apartment.exr",   "pmndrs_dawn.exr",      "pmndrs_studio.exr"};
 enum { SKIES = sizeof skies / sizeof skies[0] };
 
+// A sanitizer looks for bad memory, not for figures, and is slow.
+#ifdef GLINT_SANITIZED
+enum { EVERY = 4 };
+#else
+enum { EVERY = 1 };
+#endif
+
 static struct sky_map *new_map(int width, int height, float value)
 {
     struct sky_map *m = bytes_zalloc(1, sizeof *m);
@@ -195,7 +202,7 @@ static void test_suns(void)
     check_case("a sun alone: place and energy");
     uint64_t state = 5;
     struct sun_error worst = {0};
-    for (int i = 0; i < 24; i++) {
+    for (int i = 0; i < 24; i += EVERY) {
         int x, y;
         if (i < 10) {
             x = at[i][0];
@@ -241,7 +248,7 @@ static void test_real(void)
     }
     double product = 0;
     int frames = 60;
-    for (int i = 0; i < SKIES; i++) {
+    for (int i = 0; i < SKIES; i += EVERY) {
         static double e[180];
         struct sky_fit fit;
         struct sky_map *m = load(skies[i]);
@@ -262,7 +269,7 @@ static void test_real(void)
         // p50 .0056, p90 .020; no single sky may be more than twice as bad.
         CHECK_ATMOST(p50, 0.012);
         CHECK_ATMOST(p90, 0.04);
-        product += log(p90) / SKIES;
+        product += log(p90) * EVERY / (SKIES + EVERY - 1);
         sky_map_destroy(m);
     }
     CHECK_ATMOST(exp(product), 0.020);
@@ -294,7 +301,7 @@ static void test_uncapped(void)
         check_skip("no data");
         return;
     }
-    for (int i = 0; i < SKIES; i++) {
+    for (int i = 0; i < SKIES; i += EVERY) {
         struct sky_map *m = load(skies[i]);
         if (m && !CHECK_ATMOST(uncapped(m), 0.03))
             printf("  %s\n", skies[i]);
