@@ -55,7 +55,7 @@ function note(edit) {
 }
 
 function set(edit, noted) {
-  if (!link.isUp())
+  if (!panel || !link.isUp())
     return say("not connected: nothing was changed", true);
   if (!noted)
     note(edit);
@@ -183,7 +183,7 @@ function shown({ body, ...head }) {
   $("level").textContent = `${level} ${samples}/${wanted}`;
   $("progress").value = head.final ? 1 : samples / wanted;
   $("ms").textContent = `${ms(head.render_ms)} + ${ms(head.encode_ms)} ms`;
-  if (head.echo !== before.echo)
+  if (head.echo && head.echo !== before.echo)
     $("trip").textContent = `trip ${ms(performance.now() - head.echo)} ms`;
   $("rev").textContent = "r" + head.revision;
   $("size").textContent = `${head.width} × ${head.height}, ${size(head.bytes)}`;
@@ -207,7 +207,8 @@ function times() {
     .map(([k, v]) => k.padEnd(12) + f(v).padStart(9)), ""];
   $("times").textContent = [...part(frame.stages, (x) => ms(x) + " ms"), ...part(memory, size),
     `${sky.lights} lights, error to expect ${short(sky.predicted_error, 2)}`,
-    ...left.map((x) => `without ${x.what}: ${x.why}, error below ${short(x.bound, 2)}`),
+    ...left.map((x) => `without ${x.what}: ${x.why}`
+      + (x.bound ? ", error up to " + short(x.bound, 2) : "")),
     device].join("\n");
 }
 function unfold(on) {

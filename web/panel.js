@@ -159,7 +159,7 @@ export function build(root, schema, act) {
     const change = (v) => act.set({ [name]: v }), back = () => change(initial);
     const inUse = () => act.inUse(name) ?? short((row.min + row.max) / 2);
     const { nodes, lines = [], show } = makers[row.type](row, name, change, null, inUse);
-    const range = row.min === null ? "" : `, ${short(row.min)} to ${short(row.max)} ${row.unit}`;
+    const range = row.min === null ? "" : `, ${row.min} to ${row.max}${row.unit && " " + row.unit}`;
     const text = `${name}${range}, default ${[row.default].flat().join(", ")}.\n${row.doc}.`;
     let value;
     const reset = undo(name, back);

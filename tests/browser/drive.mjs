@@ -240,6 +240,33 @@ await test("undo_and_reset", async () => {
   check(d === 0, "the first state again, and yet it differs by", d);
 });
 
+await test("auto_swatch_and_ratio", async () => {
+  const value = async (name) => control(name + ", exact").inputValue();
+  const known = async (name, is) => until(name + " " + is, async () => await value(name) === is);
+  await control("fibre.alpha_tt auto").click();
+  await known("fibre.alpha_tt", "0");
+  await control("fibre.alpha_tt auto").click();
+  await known("fibre.alpha_tt", "");
+  check(await control("fibre.alpha_tt auto").getAttribute("aria-pressed") === "true");
+  // The swatch of absorption is e^(-2 sigma) as sRGB: #bc is 0.5029 linear.
+  await control("fibre.sigma_a colour").fill("#bcbcbc");
+  for (const c of ["red", "green", "blue"])
+    await known("fibre.sigma_a " + c, "0.3437");
+  await control("fibre.sigma_a red, exact").fill("0.6874");
+  await control("fibre.sigma_a red, exact").press("Enter");
+  const box = await control("fibre.sigma_a blue").boundingBox();
+  await page.keyboard.down("Shift");
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.up();
+  await page.keyboard.up("Shift");
+  const [red, blue] = [await value("fibre.sigma_a red"), await value("fibre.sigma_a blue")];
+  check(blue > 2 && Math.abs(red / blue - 2) < 0.01, "red", red, "blue", blue);
+  const old = await revision();
+  await control("Reset Fibre").click();
+  await settled(old);
+});
+
 await test("refused_value_leaves_picture", async () => {
   await snap("before");
   const old = await revision();

@@ -4,6 +4,7 @@
 Prints ok / not ok / skip lines, which drive.mjs makes.  Skips, with the
 reason, where node, npm, Chromium or the package cannot be had.
 """
+import json
 import os
 import shutil
 import signal
@@ -19,9 +20,19 @@ def skip(reason):
     sys.exit(77)
 
 
+def installed():
+    with open(os.path.join(HERE, "package.json")) as f:
+        want = json.load(f)["dependencies"]["playwright-core"]
+    try:
+        with open(os.path.join(HERE, "node_modules", "playwright-core",
+                               "package.json")) as f:
+            return json.load(f)["version"] == want
+    except (OSError, ValueError):
+        return False
+
+
 def install():
-    done = os.path.join(HERE, "node_modules", "playwright-core")
-    if os.path.isdir(done):
+    if installed():
         return
     try:
         got = subprocess.run(
