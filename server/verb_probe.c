@@ -69,12 +69,12 @@ static void range_of(int column, double *min, double *max)
 }
 
 // A bound may come rounded to a few digits (1.5708 for pi/2): up to a part in
-// 10^5 beyond counts as the bound.
+// 10^4 beyond counts as the bound.
 static bool within(int column, double *value)
 {
     double min, max;
     range_of(column, &min, &max);
-    double lo = min - 1e-5 * fabs(min), hi = max + 1e-5 * fabs(max);
+    double lo = min - 1e-4 * fabs(min), hi = max + 1e-4 * fabs(max);
     if (!(*value >= lo && *value <= hi))
         return false;
     *value = fmin(fmax(*value, min), max);
