@@ -75,14 +75,14 @@ static const double gl_w[4] = {0.3626837833783619830, 0.3137066458778872874,
                                0.2223810344533744706, 0.1012285362903762592};
 
 // Gauss-Kronrod 7-15; nodes 1, 3, 5, 7 are Gauss's.
-static const double gk_x[8] = {
-    0.991455371120812640, 0.949107912342758525, 0.864864423359769073,
-    0.741531185599394440, 0.586087235467691130, 0.405845151377397167,
-    0.207784955007898468, 0};
-static const double gk_w[8] = {
-    0.022935322010529225, 0.063092092629978553, 0.104790010322250184,
-    0.140653259715525919, 0.169004726639267903, 0.190350578064785410,
-    0.204432940075298892, 0.209482141084727828};
+static const double gk_x[8] = {0.991455371120812640, 0.949107912342758525,
+                               0.864864423359769073, 0.741531185599394440,
+                               0.586087235467691130, 0.405845151377397167,
+                               0.207784955007898468, 0};
+static const double gk_w[8] = {0.022935322010529225, 0.063092092629978553,
+                               0.104790010322250184, 0.140653259715525919,
+                               0.169004726639267903, 0.190350578064785410,
+                               0.204432940075298892, 0.209482141084727828};
 static const double g_w[4] = {0.129484966168869693, 0.279705391489276668,
                               0.381830050505118945, 0.417959183673469388};
 
@@ -135,9 +135,9 @@ static double attenuation(const struct path *p, double gamma) // eq 10
     if (p->mode == EXACT_R)
         return f;
     double t = absorbed(p, gamma);
-    return t > DARK ? 0
-                    : (1 - f) * (1 - f) * (p->mode == EXACT_TRT ? f : 1) *
-                          exp(-t);
+    return t > DARK
+               ? 0
+               : (1 - f) * (1 - f) * (p->mode == EXACT_TRT ? f : 1) * exp(-t);
 }
 
 static double light_lobe(const struct path *p, double d)
@@ -186,8 +186,8 @@ static double over_light(struct turned *t, double a, double b, int depth)
         p->eta1 = eta_prime(eta_star(p->c, x), p);
         u = p->centre - x - turn(p, t->gamma);
         double s = sin(x / 2), v = sin(u / 2);
-        sum += gl_w[i % 4] *
-               exp(-2 * p->kappa * s * s - 2 * p->kappa_c * v * v);
+        sum +=
+            gl_w[i % 4] * exp(-2 * p->kappa * s * s - 2 * p->kappa_c * v * v);
     }
     return sum * half;
 }
@@ -199,8 +199,8 @@ static double turned_lobe(const struct path *path, double gamma)
     double mid = 1 + swing * (aa + 1 / aa - 1);
     double amplitude = swing * fabs(aa - 1 / aa);
     double e = eta_prime(mid - amplitude, path), h = sin(gamma) / e;
-    double d_eta = amplitude * (mid + amplitude) /
-                   (path->cos_d * path->cos_d * e);
+    double d_eta =
+        amplitude * (mid + amplitude) / (path->cos_d * path->cos_d * e);
     t.lipschitz = 4 * fabs(h) / (e * sqrt(1 - h * h)) * d_eta;
     double reach = fmin(pi, REACH * sqrt(2 / path->kappa));
     return over_light(&t, -reach, reach, 30) * path->norm_c;
@@ -230,8 +230,8 @@ static double over_panel(const struct path *p, double sign, const double x[2],
     }
     double sum = 0;
     for (int i = 0; i < 8; i++) {
-        double g = (x[0] + x[1]) / 2 +
-                   (i < 4 ? length : -length) / 2 * gl_x[i % 4];
+        double g =
+            (x[0] + x[1]) / 2 + (i < 4 ? length : -length) / 2 * gl_x[i % 4];
         double weight = gl_w[i % 4] * cos(g) * attenuation(p, g);
         if (weight <= 0)
             continue;
@@ -296,8 +296,12 @@ static double at_theta(void *self, double theta)
     if (ci < 1e-12 || cd < 1e-12)
         return 0;
     double k = 2 * ci * fmax(0, cos(c->theta_j)) / (c->lambda_j * c->lambda_j);
-    struct path p = {.c = c, .mode = o->mode, .cos_d = cd, .sin2_d = sd * sd,
-                     .kappa = fmax(k, 1e-12), .centre = c->phi_o - c->phi_j,
+    struct path p = {.c = c,
+                     .mode = o->mode,
+                     .cos_d = cd,
+                     .sin2_d = sd * sd,
+                     .kappa = fmax(k, 1e-12),
+                     .centre = c->phi_o - c->phi_j,
                      .kappa_c = 2 / (w * w)};
     p.eta1 = p.eta1_real = eta_prime(c->eta, &p);
     p.sigma = c->sigma_a / sqrt(1 - p.sin2_d / (c->eta * c->eta));

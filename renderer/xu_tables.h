@@ -18,9 +18,9 @@ enum { XU_TABLES_TIMES_MAX = 8 };
 enum { XU_TABLES_COSINE, XU_TABLES_TT, XU_TABLES_TRT, XU_TABLES_UNITS };
 
 struct xu_tables {
-    int times;         // multiple of the paper's 128 x 64
-    int columns, rows; // 128 times, 64 times
-    float *rgba[XU_TABLES_UNITS]; // [4 * columns * rows]; cosine: 2 rows
+    int times;                         // multiple of the paper's 128 x 64
+    int columns, rows;                 // 128 times, 64 times
+    float *rgba[XU_TABLES_UNITS];      // [4 * columns * rows]; cosine: 2 rows
     unsigned texture[XU_TABLES_UNITS]; // 0 until bound for the first time
 };
 

@@ -60,7 +60,8 @@ struct exact_case cases_random(uint64_t *state, enum cases_kind kind,
     c.alpha[2] = -1.5 * c.alpha[0];
     c.phi_j = cases_uniform(state, -180, 180) * deg;
     c.phi_o = cases_uniform(state, -180, 180) * deg;
-    double turn = cases_uniform(state, 0, 7), a = cases_uniform(state, .8, 1.25);
+    double turn = cases_uniform(state, 0, 7),
+           a = cases_uniform(state, .8, 1.25);
     if (eccentric && turn < 1)
         c.a = a;
     float f[PROBE_INPUTS];
@@ -74,9 +75,9 @@ struct exact_case cases_random(uint64_t *state, enum cases_kind kind,
 void cases_to_floats(const struct exact_case *c, float out[PROBE_INPUTS])
 {
     const double v[PROBE_INPUTS] = {
-        c->eta,     c->sigma_a, c->alpha[0], c->alpha[1], c->alpha[2],
-        c->beta[0], c->beta[1], c->beta[2],  c->w_c,      c->a,
-        c->lambda_j, c->theta_j, c->phi_j,   c->theta_o,  c->phi_o};
+        c->eta,      c->sigma_a, c->alpha[0], c->alpha[1], c->alpha[2],
+        c->beta[0],  c->beta[1], c->beta[2],  c->w_c,      c->a,
+        c->lambda_j, c->theta_j, c->phi_j,    c->theta_o,  c->phi_o};
     for (int i = 0; i < PROBE_INPUTS; i++)
         out[i] = (float)v[i];
 }

@@ -179,8 +179,8 @@ static double furnace(struct exact_case c)
 static void test_furnace(void)
 {
     const double narrow = pi / 360;
-    struct exact_case c = {.eta = 1.55, .beta = {narrow, narrow, narrow},
-                           .w_c = 0.2, .a = 1};
+    struct exact_case c = {
+        .eta = 1.55, .beta = {narrow, narrow, narrow}, .w_c = 0.2, .a = 1};
     check_case("exact_white_furnace");
     for (int deg = 0; deg <= 70; deg += 35) {
         c.theta_o = deg * pi / 180;

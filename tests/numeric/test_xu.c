@@ -168,8 +168,8 @@ static void test_layouts(void)
     struct set s = random_set(100);
     for (size_t i = 0; i < sizeof way / sizeof way[0]; i++) {
         struct cases_errors e = {0};
-        struct probe_setup setup = {.m = way[i].m, .tables = 8,
-                                    .fine_nodes = way[i].fine};
+        struct probe_setup setup = {
+            .m = way[i].m, .tables = 8, .fine_nodes = way[i].fine};
         check_case(way[i].name);
         want(&s, way[i].m, way[i].fine);
         if (on_gpu(&s, setup)) {
@@ -255,8 +255,8 @@ static struct set corner_set(void)
     for (size_t i = 0; i < s.count; i++) {
         size_t n = i;
         double v[PROBE_INPUTS] = {0};
-#define TAKE(list)                                                             \
-    (list)[n % (sizeof(list) / sizeof *(list))];                               \
+#define TAKE(list) \
+    (list)[n % (sizeof(list) / sizeof *(list))]; \
     n /= sizeof(list) / sizeof *(list)
         v[0] = TAKE(eta);
         v[1] = TAKE(sigma);
@@ -402,9 +402,9 @@ static void test_variants(void)
     ok = on_gpu(&m, opaque);
     long differs = 0;
     for (size_t i = 0; i < m.count; i++)
-        differs += !(fabsf(m.out[3 * i] - s.out[3 * i]) <=
-                     1e-5f * s.out[3 * i]) ||
-                   m.out[3 * i + 1] != 0 || m.out[3 * i + 2] != 0;
+        differs +=
+            !(fabsf(m.out[3 * i] - s.out[3 * i]) <= 1e-5f * s.out[3 * i]) ||
+            m.out[3 * i + 1] != 0 || m.out[3 * i + 2] != 0;
     CHECK(ok);
     CHECK(differs == 0);
     cases_finish(&e);

@@ -8,14 +8,14 @@
 static const double pi = 3.14159265358979323846;
 
 // 16-point Gauss-Legendre, positive half.
-static const double gl_x[8] = {
-    0.0950125098376374402, 0.2816035507792589132, 0.4580167776572273863,
-    0.6178762444026437484, 0.7554044083550030339, 0.8656312023878317439,
-    0.9445750230732325761, 0.9894009349916499326};
-static const double gl_w[8] = {
-    0.1894506104550684963, 0.1826034150449235889, 0.1691565193950025382,
-    0.1495959888165767321, 0.1246289712555338720, 0.0951585116824927848,
-    0.0622535239386478929, 0.0271524594117540949};
+static const double gl_x[8] = {0.0950125098376374402, 0.2816035507792589132,
+                               0.4580167776572273863, 0.6178762444026437484,
+                               0.7554044083550030339, 0.8656312023878317439,
+                               0.9445750230732325761, 0.9894009349916499326};
+static const double gl_w[8] = {0.1894506104550684963, 0.1826034150449235889,
+                               0.1691565193950025382, 0.1495959888165767321,
+                               0.1246289712555338720, 0.0951585116824927848,
+                               0.0622535239386478929, 0.0271524594117540949};
 
 struct lobes { // of one theta_d: N_TT and N_TRT as circular Gaussians
     double b_tt, l_tt;
@@ -53,8 +53,8 @@ static double i0e(double k)
 static double gauss_product(double d, double k1, double l2)
 {
     double k2 = 2 / (l2 * l2);
-    double k = sqrt((k1 - k2) * (k1 - k2) +
-                    4 * k1 * k2 * cos(d / 2) * cos(d / 2));
+    double k =
+        sqrt((k1 - k2) * (k1 - k2) + 4 * k1 * k2 * cos(d / 2) * cos(d / 2));
     double less = -4 * k1 * k2 * sin(d / 2) * sin(d / 2) / (k + k1 + k2);
     return 2 * pi * i0e(k) * exp(less);
 }
@@ -62,8 +62,7 @@ static double gauss_product(double d, double k1, double l2)
 // Schlick 1994 as Xu 2011, section 4.2.1 uses it.
 static double fresnel(const struct azimuth *z, double h)
 {
-    return z->q0 +
-           (1 - z->q0) * pow(1 - z->cd * sqrt(fmax(0, 1 - h * h)), 5);
+    return z->q0 + (1 - z->q0) * pow(1 - z->cd * sqrt(fmax(0, 1 - h * h)), 5);
 }
 
 static struct azimuth azimuth_at(double eta, double sigma_a, double theta_d)
@@ -187,8 +186,8 @@ static double inner(const struct exact_case *c, int mode, double theta_i)
             mean += g * cos(x);
             all += g;
         }
-        eta = ((e1 + e2) + mean / all * cos(c->phi_o + c->phi_j) * (e1 - e2)) /
-              2;
+        eta =
+            ((e1 + e2) + mean / all * cos(c->phi_o + c->phi_j) * (e1 - e2)) / 2;
     }
     struct azimuth z = azimuth_at(eta, c->sigma_a, theta_d);
     if (mode == EXACT_R)
@@ -240,7 +239,8 @@ void xu_double_modes(const struct exact_case *c, int m, bool fine,
 {
     double half = pi / 2, lj = c->lambda_j;
     for (int t = 0; t < EXACT_MODES; t++) {
-        double l1 = 2 * sqrt(2) * c->beta[t], mu1 = 2 * c->alpha[t] - c->theta_o;
+        double l1 = 2 * sqrt(2) * c->beta[t],
+               mu1 = 2 * c->alpha[t] - c->theta_o;
         double sum2 = l1 * l1 + lj * lj, l = l1 * lj / sqrt(sum2);
         double mu = (mu1 * lj * lj + c->theta_j * l1 * l1) / sum2;
         double apart = mu1 - c->theta_j;
