@@ -21,6 +21,8 @@ struct strand {
     float origin; // see wave_origin
 };
 
+static const uint32_t NO_LOCK = UINT32_MAX;
+
 static struct vec3 curve_at(const struct groom_curve *curve, float s)
 {
     float x = s / curve->step, end = (float)(curve->n - 1);
@@ -33,7 +35,8 @@ static struct vec3 curve_at(const struct groom_curve *curve, float s)
 }
 
 // The nearest of roots[from .. to) on the same side of the parting.  The
-// place is shaken a little so that locks have ragged borders.
+// place is shaken a little so that locks have ragged borders.  NO_LOCK when
+// there is none.
 static uint32_t nearest(const struct groom_dress *dress, uint32_t from,
                         uint32_t to, const struct groom_root *root)
 {
@@ -42,7 +45,7 @@ static uint32_t nearest(const struct groom_dress *dress, uint32_t from,
         root->p.x + shake * vec_signed(root->id, STREAM_CLUMP),
         root->p.y + shake * vec_signed(root->id, STREAM_CLUMP + 100),
         root->p.z + shake * vec_signed(root->id, STREAM_CLUMP + 200)};
-    uint32_t best = from;
+    uint32_t best = NO_LOCK;
     float least = 1e30f;
     for (uint32_t i = from; i < to; i++) {
         const struct groom_root *r = &dress->roots[i];
@@ -67,15 +70,18 @@ static float gather(float tight, float t, uint32_t lock)
     return fminf(0.97f, tight * own * vec_smoothstep(begins - 0.05f, 1, t));
 }
 
-static void follow(const struct groom_curve *lock, float tight, uint32_t seed,
+static void follow(const struct groom_dress *dress, uint32_t index, float tight,
                    float length, struct groom_curve *curve)
 {
+    if (index == NO_LOCK)
+        return;
+    const struct groom_curve *lock = &dress->curves[index];
     length += curve->tie;
     for (int k = 1; k < curve->n; k++) {
         float s = (float)k * curve->step;
         float there = fmaxf(0, s - curve->tie + lock->tie);
         struct vec3 middle = curve_at(lock, there);
-        float g = gather(tight, fminf(1, s / length), seed);
+        float g = gather(tight, fminf(1, s / length), index);
         curve->p[k] = vec_mix(curve->p[k], middle, g);
     }
 }
@@ -83,7 +89,7 @@ static void follow(const struct groom_curve *lock, float tight, uint32_t seed,
 static void grow(const struct groom_style *style, const struct groom_root *root,
                  float length, struct groom_curve *curve)
 {
-    if (style->tail)
+    if (style->tail && !root->fringe)
         groom_builtin_tail(style, root, length, curve);
     else
         groom_builtin_grow(style, root, length, curve);
@@ -101,6 +107,8 @@ static float length_of(const struct groom_style *style,
                  vec_smoothstep(0.7f, -0.6f, root->dir.y);
     float length = style->length * (1 + style->spread * (own + patch)) *
                    (1 - style->layered * high);
+    if (style->tail && root->fringe) // too short for the tie
+        length *= 0.6f;
     if (root->fly)
         length *= 0.45f + 0.5f * vec_random(root->id, STREAM_STRAY3);
     return fmaxf(length, 4);
@@ -124,8 +132,7 @@ struct groom_dress *groom_builtin_dress_create(const struct groom_style *style,
         if (i < style->locks)
             continue;
         uint32_t lock = nearest(dress, 0, style->locks, root);
-        follow(&dress->curves[lock], style->lock_tight, lock, length,
-               &dress->curves[i]);
+        follow(dress, lock, style->lock_tight, length, &dress->curves[i]);
     }
     return dress;
 }
@@ -226,6 +233,10 @@ static struct swing wave_at(const struct groom_style *style,
                    (1 + 0.08f * vec_signed(strand->lock, STREAM_WAVELENGTH) +
                     0.2f * round * vec_signed(lock, STREAM_WAVELENGTH + 50) +
                     0.02f * vec_signed(id, STREAM_WAVELENGTH));
+    if (style->tail && strand->root->fringe) { // loose strands wave freely
+        size *= 1.6f;
+        period *= 0.5f;
+    }
     // Flat waves run through neighbouring locks; curls turn each on its own.
     float phase =
         style->phase_spread *
@@ -305,10 +316,8 @@ void groom_builtin_dress_strand(const struct groom_dress *dress,
     struct groom_curve curve;
     grow(style, root, length, &curve);
     float loose = root->fly ? 0.25f : 1;
-    follow(&dress->curves[strand.lock], loose * style->lock_tight, strand.lock,
-           length, &curve);
-    follow(&dress->curves[strand.sublock], loose * style->sublock_tight,
-           strand.sublock, length, &curve);
+    follow(dress, strand.lock, loose * style->lock_tight, length, &curve);
+    follow(dress, strand.sublock, loose * style->sublock_tight, length, &curve);
     float whole = (float)(curve.n - 1) * curve.step;
     strand.length = style->tail ? whole : fminf(length, whole);
     strand.length = cut_at(style, root, &curve, strand.length);

@@ -14,6 +14,8 @@ static struct vec3 comb_at(const struct groom_style *style,
                            const struct groom_root *root, struct vec3 p,
                            struct vec3 n)
 {
+    if (root->fringe && style->tail)
+        return vec_unit(vec(0.5f * root->side, -0.25f, -0.5f));
     if (root->fringe)
         return vec_unit(vec(0.22f * p.x, -1, 0));
     // Away from the parting, and from the crown where the parting ends.

@@ -124,6 +124,10 @@ static float crowding(const struct groom_style *style, struct vec3 dir)
 static bool in_fringe(const struct groom_style *style, struct vec3 dir,
                       uint32_t id)
 {
+    if (style->tail) { // at the temples, where strands come loose
+        float above = dir.z - hairline_at(angle_of(dir));
+        return fabsf(angle_of(dir) - 57) < 5 && above < style->fringe;
+    }
     // A wedge from the crown to the forehead.
     float along = (-dir.y - 0.12f) / 0.6f;
     float x = fabsf(dir.x) * groom_builtin_head_radius.x +

@@ -4,9 +4,9 @@
 
 // Where the hair is tied: a direction on the unit sphere, and how far outside
 // the head.  It leaves the tie along `leave`.
-static const struct vec3 tie_dir = {0, 0.84f, 0.5426f};
+static const struct vec3 tie_dir = {0.16f, 0.82f, 0.5494f};
 static const float tie_height = 1.3f;
-static const struct vec3 leave = {0, 0.80f, 0.60f};
+static const struct vec3 leave = {0.28f, 0.72f, 0.635f};
 
 // Place of the strand in the bundle: a point of the unit disc.  Hair from far
 // away runs outside, hair rooted near the tie inside.
@@ -37,8 +37,11 @@ struct frame {
 // falls.
 static struct frame tail_step(struct frame at, float s, float step)
 {
-    struct vec3 down = {0.16f * sinf(0.2f * s), 0.1f * sinf(0.16f * s), -1};
-    struct vec3 t = vec_unit(vec_mix(at.t, down, 1 - expf(-step / 4.2f)));
+    // It swings to one side and comes forward there, over a shoulder.
+    float swing = vec_smoothstep(0, 6, s) - vec_smoothstep(6, 30, s);
+    struct vec3 down = {0.72f * swing + 0.12f * sinf(0.2f * s),
+                        -0.4f * swing + 0.08f * sinf(0.16f * s), -1};
+    struct vec3 t = vec_unit(vec_mix(at.t, down, 1 - expf(-step / 5.0f)));
     return (struct frame){vec_mad(at.p, step, t), t};
 }
 

@@ -207,9 +207,9 @@ static void test_order(const struct groom *g)
 static void test_style(const struct groom *g, const char *name, double bend)
 {
     begin(g, "is what its name says");
-    double tip = 0, root = 0, behind = 0, tie = 0;
-    uint32_t low = 0;
-    static const float knot[3] = {0, 9.2f, 6.7f};
+    double tip = 0, root = 0, behind = 0;
+    uint32_t low = 0, tied = 0;
+    static const float knot[3] = {1.5f, 9.1f, 6.8f};
     for (uint32_t s = 0; s < g->strands; s++) {
         const float *t = point(g, g->first[s + 1] - 1);
         tip += (double)t[2] / g->strands;
@@ -219,12 +219,13 @@ static void test_style(const struct groom *g, const char *name, double bend)
         double near = 1e9;
         for (uint32_t i = g->first[s]; i < g->first[s + 1]; i++)
             near = fmin(near, distance(point(g, i), knot));
-        tie = fmax(tie, near);
+        tied += near < 2.5;
     }
     printf("  tips hang %.1f cm, turn %.3f rad/cm\n", root - tip, bend);
     CHECK(root - tip > 5);
     if (strcmp(name, "ponytail") == 0)
-        CHECK_ATMOST(tie, 2.5); // every strand passes through the tie
+        // All but a few loose strands pass through the tie.
+        CHECK(tied > 0.95 * g->strands && tied < g->strands);
     if (strcmp(name, "bob") == 0)
         CHECK(low == 0); // cut at the jaw
     if (strcmp(name, "animation") == 0)
