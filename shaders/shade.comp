@@ -72,7 +72,7 @@ void main()
     vec3 to_eye = normalize(eye.xyz - p), u, v;
     frame_of(i, t, to_eye, u, v);
     vec3 w = cross(u, v);
-    float theta_o = asin(clamp(dot(to_eye, u), -1.0, 1.0));
+    float theta_o = special_asin(dot(to_eye, u));
     float phi_o = azimuth(to_eye, v, w);
 
     Fibre fibre = Fibre(fibre_eta, fibre_sigma_a, fibre_a,
@@ -82,7 +82,7 @@ void main()
     vec3 sum = vec3(0.0);
     for (uint j = 0u; j < light_count; j++) {
         vec4 place = lights[j].place;
-        Srbf light = Srbf(asin(clamp(dot(place.xyz, u), -1.0, 1.0)),
+        Srbf light = Srbf(special_asin(dot(place.xyz, u)),
                           azimuth(place.xyz, v, w), place.w);
         vec3 r, tt, trt;
         xu_modes(fibre, light, theta_o, phi_o, r, tt, trt);
