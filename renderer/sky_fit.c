@@ -1,11 +1,12 @@
 // sky_fit.c - the one door to a fit: cache, target, start, refinement, and the
 // way back from blurred lobes to lights.
+#include "renderer/sky.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-#include "renderer/sky.h"
 #include "renderer/sky_cache.h"
 #include "renderer/sky_fit_lm.h"
 #include "renderer/sky_fit_start.h"
@@ -19,7 +20,7 @@ double sky_lobe_omega(double lambda)
     return sky_fit_target_omega(2 / (lambda * lambda));
 }
 
-// --- from blurred lobes to lights --------------------------------------------
+// --- from blurred lobes to lights ------------------------------------------
 
 // Mean cosine of exp(k cos): coth k - 1/k.
 static double mean_cosine(double k)
@@ -102,8 +103,7 @@ static void finish_lights(struct sky_fit *fit, const double map_energy[3])
     qsort(fit->light, (size_t)kept, sizeof fit->light[0], by_energy);
 }
 
-// --- the fit
-// ------------------------------------------------------------------
+// --- the fit ---------------------------------------------------------------
 
 // What hair would see of lights that were fitted to something else: their
 // residual under the hair objective.  Narrow lobes add their widths' squares.

@@ -279,7 +279,7 @@ static bool iterate(struct lm *s)
     return false;
 }
 
-// --- reseeding ---------------------------------------------------------------
+// --- reseeding -------------------------------------------------------------
 
 static double lobe_energy(const struct sky_fit_model *m, int j)
 {

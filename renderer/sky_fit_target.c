@@ -36,7 +36,7 @@ double sky_fit_target_omega(double kappa)
     return 2 * pi * -expm1(-2 * kappa) / kappa;
 }
 
-// --- splat: energy onto the fine grid ---------------------------------------
+// --- splat: energy onto the fine grid --------------------------------------
 
 struct fine {
     double energy[3][FINE_W * FINE_H];
@@ -98,7 +98,7 @@ static void splat_map(struct fine *f, const struct sky_map *m,
         }
 }
 
-// --- the grid ---------------------------------------------------------------
+// --- the grid --------------------------------------------------------------
 
 static void make_grid(struct sky_fit_target *t, int width, int height)
 {

@@ -37,7 +37,7 @@ struct report { // through the pipe, whole
 };
 static const uint32_t report_magic = 0x474c5359;
 
-// --- the helper --------------------------------------------------------------
+// --- the helper ------------------------------------------------------------
 
 #define LIMIT(what, value) \
     setrlimit(what, &(struct rlimit){.rlim_cur = (value), .rlim_max = (value)})
@@ -124,7 +124,7 @@ void sky_helper_main(int argc, char **argv)
     _exit(sent ? 0 : 1); // no exit handlers: the libraries' may hang
 }
 
-// --- the parent --------------------------------------------------------------
+// --- the parent ------------------------------------------------------------
 
 struct child {
     pid_t pid;

@@ -1,5 +1,7 @@
 // sky_load.c - where a sky comes from: a file, whose bytes are copied once, so
 // that the hash is of what is decoded, or a built-in picture (sky_studio.c).
+#include "renderer/sky.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -9,7 +11,6 @@
 #include <unistd.h>
 
 #include "protocol/digest.h"
-#include "renderer/sky.h"
 #include "renderer/sky_clean.h"
 #include "renderer/sky_helper.h"
 

@@ -2,12 +2,13 @@
 // around hair that is seen from the front (-y).  A large warm key box at the
 // left, a dimmer cool fill at the right, a narrow strip and a small box behind
 // for the rim, a hair light above; walls that fall off to a dark floor.
+#include "renderer/sky.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "protocol/digest.h"
-#include "renderer/sky.h"
 #include "renderer/sky_clean.h"
 
 static const double pi = 3.14159265358979323846;

@@ -1,15 +1,11 @@
 // test_sky_fit.c - lights that stand for a sky: energy, places of suns, the
-// residual's promise about shading, symmetry, determinism, cache.
+// residual's promise about shading, symmetry, determinism.  The cache is in
+// test_sky_cache.c.
 #include "renderer/sky.h"
 
-#include <dirent.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
-#include <sys/stat.h>
-#include <time.h>
 
-#include "protocol/digest.h"
 #include "renderer/sky_fit_lm.h"
 #include "renderer/sky_fit_start.h"
 #include "tests/check.h"
@@ -72,8 +68,7 @@ static double angle(const double a[3], const double b[3]) // degrees
     return atan2(sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]), dot) * 180 / pi;
 }
 
-// --- simple skies
-// -------------------------------------------------------------
+// --- simple skies ----------------------------------------------------------
 
 static void test_black(void)
 {
@@ -154,8 +149,7 @@ static void test_constant(void)
     }
 }
 
-// --- suns
-// ---------------------------------------------------------------------
+// --- suns ------------------------------------------------------------------
 
 struct sun_error {
     double offset, energy; // degrees; difference over the sun's
@@ -236,8 +230,7 @@ static void test_sun_over_ground(void)
     }
 }
 
-// --- real skies
-// ----------------------------------------------------------------
+// --- real skies ------------------------------------------------------------
 
 static void test_real(void)
 {
@@ -372,8 +365,7 @@ static void test_numbers_of_lights(void)
     sky_map_destroy(m);
 }
 
-// --- symmetry
-// ------------------------------------------------------------------
+// --- symmetry --------------------------------------------------------------
 
 static void test_rolled(void)
 {
@@ -414,8 +406,7 @@ static void test_rolled(void)
     sky_map_destroy(r);
 }
 
-// --- modes
-// ---------------------------------------------------------------------
+// --- modes -----------------------------------------------------------------
 
 // Relative L2 distance to the picture itself, over solid angle.
 static double picture_error(const struct sky_map *m, const struct sky_fit *fit)
@@ -459,99 +450,6 @@ static void test_modes(void)
     sky_map_destroy(m);
 }
 
-// --- cache
-// ---------------------------------------------------------------------
-
-static char cache_file[400];
-
-static int find_cache_file(const char *dir)
-{
-    DIR *d = opendir(dir);
-    int n = 0;
-    for (struct dirent *e; d && (e = readdir(d));)
-        if (e->d_name[0] != '.') {
-            snprintf(cache_file, sizeof cache_file, "%.100s/%.250s", dir,
-                     e->d_name);
-            n++;
-        }
-    if (d)
-        closedir(d);
-    return n;
-}
-
-static void put(const unsigned char *data, size_t size)
-{
-    FILE *f = fopen(cache_file, "wb");
-    if (f) {
-        fwrite(data, 1, size, f);
-        fclose(f);
-    }
-}
-
-static void test_damage(const struct sky_map *m, const char *dir,
-                        const struct sky_fit *want)
-{
-    static unsigned char bytes[65536], bad[65536];
-    struct sky_fit got;
-    struct error err = {0};
-    FILE *f = fopen(cache_file, "rb");
-    size_t size = f ? fread(bytes, 1, sizeof bytes, f) : 0;
-    if (f)
-        fclose(f);
-    CHECK(size > 300);
-    for (size_t i = 0; i < size + 3; i += i < 200 ? 13 : 61) {
-        size_t n = size;
-        memcpy(bad, bytes, size);
-        if (i < size)
-            bad[i] ^= 0x04;
-        else
-            n = i == size ? 0 : size / 2; // empty; cut
-        put(bad, n);
-        CHECK(sky_fit_run(m, 3, SKY_FIT_HAIR, dir, &got, &err));
-        if (!CHECK(!got.from_cache) || !CHECK(same_fit(got, want)))
-            printf("  byte %zu of %zu\n", i, size);
-    }
-    // What was found damaged was replaced.
-    CHECK(sky_fit_run(m, 3, SKY_FIT_HAIR, dir, &got, &err));
-    CHECK(got.from_cache);
-}
-
-static void test_cache(void)
-{
-    struct error err = {0};
-    struct sky_fit miss, hit, other;
-    char dir[] = "/tmp/glint-cache-XXXXXX";
-    struct sky_map *m = new_map(16, 8, 0.3f);
-    digest_sha256((struct span){(unsigned char *)m->rgb, 16 * 8 * 12},
-                  m->sha256);
-    check_case("cache: a hit equals a miss");
-    CHECK(mkdtemp(dir) != NULL);
-    CHECK(sky_fit_run(m, 3, SKY_FIT_HAIR, dir, &miss, &err));
-    CHECK(sky_fit_run(m, 3, SKY_FIT_HAIR, dir, &hit, &err));
-    CHECK(!miss.from_cache && hit.from_cache);
-    CHECK(same_fit(hit, &miss));
-    CHECK_NEAR(hit.seconds, miss.seconds, 0);
-    CHECK(find_cache_file(dir) == 1);
-    check_case("cache: damage is noticed");
-    test_damage(m, dir, &miss);
-    check_case("cache: other settings, other fits");
-    CHECK(sky_fit_run(m, 4, SKY_FIT_HAIR, dir, &other, &err));
-    CHECK(!other.from_cache);
-    CHECK(sky_fit_run(m, 3, SKY_FIT_PLAIN, dir, &other, &err));
-    CHECK(!other.from_cache);
-    m->sha256[5] ^= 1;
-    CHECK(sky_fit_run(m, 3, SKY_FIT_HAIR, dir, &other, &err));
-    CHECK(!other.from_cache);
-    CHECK(find_cache_file(dir) == 4);
-    check_case("cache: a folder that cannot be is no error");
-    CHECK(sky_fit_run(m, 3, SKY_FIT_HAIR, "/proc/none/such", &other, &err));
-    CHECK(same_fit(other, &miss));
-    while (find_cache_file(dir) > 0)
-        unlink(cache_file);
-    CHECK(rmdir(dir) == 0);
-    sky_map_destroy(m);
-}
-
 int main(int argc, char **argv)
 {
     sky_helper_main(argc, argv);
@@ -566,6 +464,5 @@ int main(int argc, char **argv)
     test_numbers_of_lights();
     test_rolled();
     test_modes();
-    test_cache();
     return check_end();
 }

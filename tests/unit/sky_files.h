@@ -62,7 +62,7 @@ static inline const char *sky_files_write(const void *data, size_t size)
     return path;
 }
 
-// --- OpenEXR without compression ---------------------------------------------
+// --- OpenEXR without compression -------------------------------------------
 
 struct sky_files_channel {
     const char *name; // in the order of the alphabet
