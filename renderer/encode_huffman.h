@@ -1,0 +1,21 @@
+// encode_huffman.h - canonical Huffman codes with a limit on their length, bits
+// reversed as deflate wants them (RFC 1951, 3.2.2).
+// Thread: any.
+#ifndef RENDERER_ENCODE_HUFFMAN_H
+#define RENDERER_ENCODE_HUFFMAN_H
+
+#include <stdint.h>
+
+enum { ENCODE_HUFFMAN_MAX = 288 };
+
+struct encode_huffman {
+    uint16_t code[ENCODE_HUFFMAN_MAX];
+    uint8_t length[ENCODE_HUFFMAN_MAX]; // 0: the symbol is not used
+};
+
+// use: how often each of `count` symbols occurs.  At least one code is made;
+// where only one symbol is used, a second one keeps the code complete.
+void encode_huffman_build(struct encode_huffman *h, const uint32_t *use,
+                          int count, int longest);
+
+#endif
