@@ -69,6 +69,19 @@ static void test_quoted(void)
         line_parse(&l, text("v a=\"\" b=\"bbbb\" c=c d=\"\\u0064ddd\""), &err));
     CHECK(is(l.pairs[0].value, "") && is(l.pairs[1].value, "bbbb"));
     CHECK(is(l.pairs[2].value, "c") && is(l.pairs[3].value, "dddd"));
+    // Also when they are longer than any first guess at their room.
+    struct buf b = {0};
+    buf_text(&b, "v");
+    for (int i = 0; i < 100; i++)
+        buf_printf(&b, " n%d=\"%0300d\"", i, i);
+    CHECK(line_parse(&l, (struct span){b.data, b.size}, &err));
+    for (int i = 0; i < 100; i++) {
+        char want[301];
+        snprintf(want, sizeof want, "%0300d", i);
+        CHECK(l.pairs[i].value.data == l.store.data + 300 * i);
+        CHECK(is(l.pairs[i].value, want));
+    }
+    buf_finish(&b);
     line_finish(&l);
 }
 
