@@ -143,22 +143,43 @@ void xu_sum(Fibre f, XuLight l, XuLong g, float theta_o, out vec3 R,
 #endif
 }
 #else
+void xu_add_node(Fibre f, XuLight l, XuLong g, float theta_o, int s,
+                 inout XuNodes n, inout vec3 R, inout vec3 TT, inout vec3 TRT)
+{
+    vec3 t, weight;
+    xu_nodes_next(n, g, s, t, weight);
+    vec3 at = g.mu + t * g.width;
+    weight *= g.mass;
+    R += weight.x * xu_at_r(f, l, xu_place(at.x, theta_o, l));
+#ifndef XU_NO_TT_TRT
+    TT += weight.y * xu_at_tt(f, l, xu_place(at.y, theta_o, l));
+    TRT += weight.z * xu_at_trt(f, l, xu_place(at.z, theta_o, l));
+#endif
+}
+
 void xu_sum(Fibre f, XuLight l, XuLong g, float theta_o, out vec3 R,
             out vec3 TT, out vec3 TRT)
 {
     R = TT = TRT = vec3(0.0);
     XuNodes n = xu_nodes_begin(g);
-    for (int s = 0; s < xu_m - 1; s++) {
-        vec3 t, weight;
-        xu_nodes_next(n, g, s, t, weight);
-        vec3 at = g.mu + t * g.width;
-        weight *= g.mass;
-        R += weight.x * xu_at_r(f, l, xu_place(at.x, theta_o, l));
-#ifndef XU_NO_TT_TRT
-        TT += weight.y * xu_at_tt(f, l, xu_place(at.y, theta_o, l));
-        TRT += weight.z * xu_at_trt(f, l, xu_place(at.z, theta_o, l));
+#ifdef XU_NODES_FEW // written out, as above
+    xu_add_node(f, l, g, theta_o, 0, n, R, TT, TRT);
+#if XU_M > 2
+    xu_add_node(f, l, g, theta_o, 1, n, R, TT, TRT);
 #endif
-    }
+#if XU_M > 3
+    xu_add_node(f, l, g, theta_o, 2, n, R, TT, TRT);
+#endif
+#if XU_M > 4
+    xu_add_node(f, l, g, theta_o, 3, n, R, TT, TRT);
+#endif
+#if XU_M > 5
+    xu_add_node(f, l, g, theta_o, 4, n, R, TT, TRT);
+#endif
+#else
+    for (int s = 0; s < xu_m - 1; s++)
+        xu_add_node(f, l, g, theta_o, s, n, R, TT, TRT);
+#endif
 }
 #endif
 

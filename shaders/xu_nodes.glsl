@@ -10,9 +10,11 @@
 const float XU_E1 = 0.367879441, XU_ERFC1 = 0.157299207;
 const float XU_ROOT = 0.886226925; // sqrt(pi)/2
 
-#if defined(XU_M) && !defined(XU_FINE_NODES)
-#if XU_M == 4
+#ifdef XU_M
+#if XU_M == 4 && !defined(XU_FINE_NODES)
 #define XU_NODES_FOUR
+#elif XU_M <= 6
+#define XU_NODES_FEW
 #endif
 #endif
 
