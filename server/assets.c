@@ -225,6 +225,20 @@ void assets_hair_finish(struct assets_hair *h)
 }
 
 // --- sky --------------------------------------------------------------------
+// The reader's error names the path it was given, with or without folders.
+static void rename_error(struct error *err, const char *path, const char *name)
+{
+    const char *known[] = {path, without_folders(path)};
+    for (int i = 0; err && i < 2; i++) {
+        size_t n = strlen(known[i]);
+        if (strncmp(err->text, known[i], n) != 0)
+            continue;
+        struct error old = *err;
+        error_set(err, old.code, name, "%s%s", name, old.text + n);
+        return;
+    }
+}
+
 static struct sky_map *sky_from_file(const char *name,
                                      const struct assets_roots *roots,
                                      struct error *err)
@@ -242,12 +256,8 @@ static struct sky_map *sky_from_file(const char *name,
         m = sky_load(path, err);
         if (m)
             snprintf(m->name, sizeof m->name, "%s", without_folders(name));
-        else if (err && strncmp(err->text, path, strlen(path)) == 0) {
-            char rest[sizeof err->text];
-            snprintf(rest, sizeof rest, "%s", err->text + strlen(path));
-            snprintf(err->text, sizeof err->text, "%s%s", name, rest);
-            snprintf(err->name, sizeof err->name, "%s", name);
-        }
+        else
+            rename_error(err, path, name);
     } else {
         m = sky_load(name, err);
     }

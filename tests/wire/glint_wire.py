@@ -279,7 +279,8 @@ class Daemon:
                                         stderr=stderr)
         line = self.line()
         if not line.startswith("listening http://"):
-            err = self.process.stderr.read().decode() if stderr else ""
+            err = (self.process.stderr.read().decode()
+                   if self.process.stderr else "")
             raise AssertionError("glintd did not start: %r %s" % (line, err))
         self.port = int(line.rsplit(":", 1)[1].strip("/\n"))
         self.address = ("127.0.0.1", self.port)

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
 """The daemon as a whole: start, ports, signals, limits, tokens."""
 import os
-import select
 import signal
 import socket
-import struct
 import subprocess
 import tempfile
+import threading
 import time
 
 from glint_wire import (GLINTD, PATIENCE, SANITIZED, Daemon, Line, WebSocket,
@@ -241,8 +240,29 @@ def resident(pid):
         return int(f.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
-def a_reader_that_stalls_is_dropped():
-    """10 s without taking a byte while data waits."""
+class Aside:
+    """A case that mostly waits: it runs beside the others, and is judged when
+    its turn comes."""
+
+    def __init__(self, case):
+        self.case, self.why = case, None
+        self.thread = threading.Thread(target=self.work, daemon=True)
+        self.thread.start()
+
+    def work(self):
+        try:
+            self.case()
+        except Exception as why:
+            self.why = why
+
+    def judge(self):
+        self.thread.join(3 * PATIENCE)
+        true(not self.thread.is_alive(), "it did not end")
+        if self.why:
+            raise self.why
+
+
+def stall():
     d = Daemon()
     c = d.connect(receive_buffer=4096)
     other = d.connect()
@@ -261,6 +281,34 @@ def a_reader_that_stalls_is_dropped():
     equal(d.stop()[0], 0, "exit status")
 
 
+def trickle():
+    """However many bytes trickle in: 10 s for a head in all."""
+    d = Daemon()
+    began = time.monotonic()
+    with socket.create_connection(d.address, PATIENCE) as s:
+        s.sendall(b"GET / HTTP/1.1\r\n")
+        s.settimeout(0.5)
+        data = b""
+        while time.monotonic() - began < 15 and not data:
+            try:
+                s.sendall(b"X: y\r\n")
+                data = s.recv(100)
+            except socket.timeout:
+                pass
+    took = time.monotonic() - began
+    true(data.startswith(b"HTTP/1.1 408"), data)
+    true(9 <= took <= 13, "after %.1f s" % took)
+    equal(d.stop()[0], 0, "exit status")
+
+
+def a_reader_that_stalls_is_dropped():
+    stalling.judge()
+
+
+def heads_that_trickle_are_cut():
+    trickling.judge()
+
+
 def big_captures_arrive_whole():
     d = Daemon(samples=1)
     c = d.connect(receive_buffer=65536)
@@ -274,7 +322,9 @@ def big_captures_arrive_whole():
 
 
 if __name__ == "__main__":
+    stalling, trickling = Aside(stall), Aside(trickle)
     run([refused_starts, help_and_version, port_in_use, ends_on_sigterm,
          ends_while_rendering, stale_unix_sockets_are_replaced, tokens,
          connection_limit, descriptors_run_out, idle_clients_cost_little,
-         a_reader_that_stalls_is_dropped, big_captures_arrive_whole])
+         big_captures_arrive_whole,
+         a_reader_that_stalls_is_dropped, heads_that_trickle_are_cut])
