@@ -62,10 +62,9 @@ static void unblur(const struct sky_fit_model *m, int j,
     kappa = fmin(kappa, 2 / (narrowest * narrowest));
     light->lambda = sqrt(2 / fmax(kappa, 1e-6));
     double scale = sky_fit_target_omega(k) / sky_lobe_omega(light->lambda);
-    for (int c = 0; c < 3; c++) {
-        light->direction[c] = m->lobe[j].centre[c];
+    sky_fit_target_to_map(m->target, m->lobe[j].centre, light->direction);
+    for (int c = 0; c < 3; c++)
         light->radiance[c] = m->amplitude[c][j] * scale;
-    }
 }
 
 static double light_energy(const struct sky_light *l)
@@ -119,7 +118,7 @@ static double hair_residual(const struct sky_fit *fit,
         double kappa = 2 / (l->lambda * l->lambda);
         double k =
             inverse_mean_cosine(mean_cosine(kappa) * mean_cosine(t.blur));
-        memcpy(m.lobe[j].centre, l->direction, sizeof l->direction);
+        sky_fit_target_from_map(&t, l->direction, m.lobe[j].centre);
         m.lobe[j].l = 0.5 * log(2 / fmax(k, 1e-6));
         for (int c = 0; c < 3; c++)
             m.amplitude[c][j] = l->radiance[c] * sky_fit_target_omega(kappa) /

@@ -17,7 +17,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-enum { FINE_W = 128, FINE_H = 64, COARSE_W = 64, COARSE_H = 32 };
+enum { FINE_W = 128, FINE_H = 64, COARSE_W = 64, COARSE_H = 32, STEPS = 32 };
 
 static const double hair_blur = 50;      // kappa; lambda 0.2
 static const double weight_floor = 0.05; // of the mean brightness
@@ -28,6 +28,28 @@ static const double sun_lambda = 0.02;   // no narrower lobe: a true sun has
 static const double widest = 2.2;     // over sqrt(N)
 static const double plain_min = 0.05; // a sample's spacing on the fine grid
 static const double plain_max = 4;    // all but constant
+
+// Longitude falls from left to right, and the frame begins `turn` steps to the
+// right of the map's left edge.
+static void turn(int steps, const double in[3], double out[3])
+{
+    double a = 2 * pi * steps / STEPS, x = in[0], y = in[1];
+    out[0] = cos(a) * x - sin(a) * y;
+    out[1] = sin(a) * x + cos(a) * y;
+    out[2] = in[2];
+}
+
+void sky_fit_target_to_map(const struct sky_fit_target *t, const double in[3],
+                           double out[3])
+{
+    turn(-t->turn, in, out);
+}
+
+void sky_fit_target_from_map(const struct sky_fit_target *t, const double in[3],
+                             double out[3])
+{
+    turn(t->turn, in, out);
+}
 
 double sky_fit_target_omega(double kappa)
 {
@@ -75,27 +97,53 @@ static int pieces(int size, int grid)
     return size >= grid ? 1 : (grid + size - 1) / size;
 }
 
-static void splat_map(struct fine *f, const struct sky_map *m,
+// One row, from column `first` on.
+static void splat_row(struct fine *f, const struct sky_map *m, int y, int first,
                       double map_energy[3])
 {
     int nx = pieces(m->width, FINE_W), ny = pieces(m->height, FINE_H);
-    const float *rgb = m->rgb;
-    memset(f, 0, sizeof *f);
-    for (int y = 0; y < m->height; y++)
-        for (int sy = 0; sy < ny; sy++) {
-            double q = sky_clean_solid_angle(y * ny + sy, m->width * nx,
-                                             m->height * ny);
-            double v = (y + (sy + 0.5) / ny) / m->height;
-            const float *p = rgb + 3 * (size_t)y * (size_t)m->width;
-            for (int x = 0; x < m->width; x++, p += 3)
-                for (int sx = 0; sx < nx; sx++) {
-                    double e[3] = {q * (double)p[0], q * (double)p[1],
-                                   q * (double)p[2]};
-                    splat(f, (x + (sx + 0.5) / nx) / m->width, v, e);
-                    for (int k = 0; k < 3; k++)
-                        map_energy[k] += e[k];
-                }
+    const float *row = m->rgb + 3 * (size_t)y * (size_t)m->width;
+    for (int sy = 0; sy < ny; sy++) {
+        double q =
+            sky_clean_solid_angle(y * ny + sy, m->width * nx, m->height * ny);
+        double v = (y + (sy + 0.5) / ny) / m->height;
+        for (int x = 0; x < m->width; x++) {
+            const float *p = row + 3 * ((x + first) % m->width);
+            double e[3] = {q * (double)p[0], q * (double)p[1],
+                           q * (double)p[2]};
+            for (int sx = 0; sx < nx; sx++)
+                splat(f, (x + (sx + 0.5) / nx) / m->width, v, e);
+            for (int k = 0; k < 3; k++)
+                map_energy[k] += nx * e[k];
         }
+    }
+}
+
+// Where the light comes from, in longitude, to 1/32 turn from the left edge; 0
+// when it comes from nowhere in particular.  A map that is rolled by such steps
+// is fitted in the same frame as the unrolled one, so it gives the same lights,
+// turned: without that, rounding alone would lead the fit elsewhere.
+static int heading(const struct sky_map *m)
+{
+    if (m->width % STEPS != 0)
+        return 0;
+    double c = 0, s = 0, total = 0;
+    for (int x = 0; x < m->width; x++) {
+        double e = 0, u = 2 * pi * (x + 0.5) / m->width;
+        for (int y = 0; y < m->height; y++) {
+            const float *p =
+                m->rgb + 3 * ((size_t)y * (size_t)m->width + (size_t)x);
+            e += sin(pi * (y + 0.5) / m->height) *
+                 ((double)p[0] + (double)p[1] + (double)p[2]);
+        }
+        c += e * cos(u);
+        s += e * sin(u);
+        total += e;
+    }
+    if (!(hypot(c, s) > 1e-9 * total))
+        return 0;
+    int step = (int)floor(atan2(s, c) * STEPS / (2 * pi));
+    return (step + STEPS) % STEPS;
 }
 
 // --- the grid --------------------------------------------------------------
@@ -204,7 +252,10 @@ void sky_fit_target_init(struct sky_fit_target *t, const struct sky_map *map,
 {
     *t = (struct sky_fit_target){.mode = mode};
     struct fine *f = bytes_alloc(sizeof *f);
-    splat_map(f, map, t->map_energy);
+    memset(f, 0, sizeof *f);
+    t->turn = heading(map);
+    for (int y = 0; y < map->height; y++)
+        splat_row(f, map, y, t->turn * (map->width / STEPS), t->map_energy);
     if (mode == SKY_FIT_HAIR)
         make_hair(t, f, lights);
     else

@@ -25,11 +25,11 @@ struct box { // a lit rectangle with soft edges, facing the hair
 
 // The camera stands at azimuth -90, the rim lights opposite.
 static const struct box boxes[] = {
-    {-142, 30, 62, 46, -8, 0.35, {7.6, 6.7, 5.6}},    // key
-    {-32, 8, 58, 70, 0, 0.60, {0.62, 0.74, 0.92}},    // fill
-    {52, 26, 13, 74, 12, 0.30, {21.0, 23.0, 27.0}},   // rim strip, right
-    {133, 34, 22, 30, -10, 0.35, {12.0, 12.6, 14.0}}, // rim, left
-    {90, 74, 44, 30, 0, 0.45, {4.2, 4.1, 4.0}},       // hair light
+    {-142, 30, 62, 46, -8, 0.35, {4.6, 4.1, 3.5}}, // key
+    {-32, 8, 58, 70, 0, 0.60, {0.42, 0.50, 0.62}}, // fill
+    {52, 26, 13, 74, 12, 0.30, {9.0, 10.0, 11.8}}, // rim strip, right
+    {133, 34, 22, 30, -10, 0.35, {5.0, 5.3, 5.9}}, // rim, left
+    {90, 74, 44, 30, 0, 0.45, {1.5, 1.47, 1.43}},  // hair light
 };
 
 static void unit(double azimuth, double elevation, double out[3])
@@ -83,9 +83,9 @@ static void radiance(const double d[3], double rgb[3])
     // little of the key; the backdrop behind the hair is darkest.
     double up = smooth(-0.25, 0.9, d[2]), floor = smooth(0.05, -0.8, d[2]);
     double back = smooth(0.2, 1, d[1]);
-    static const double wall[3] = {0.050, 0.056, 0.066};
-    static const double ceiling[3] = {0.085, 0.092, 0.105};
-    static const double ground[3] = {0.075, 0.064, 0.055};
+    static const double wall[3] = {0.030, 0.034, 0.040};
+    static const double ceiling[3] = {0.050, 0.054, 0.062};
+    static const double ground[3] = {0.046, 0.040, 0.034};
     for (int k = 0; k < 3; k++)
         rgb[k] = (wall[k] + (ceiling[k] - wall[k]) * up) * (1 - floor) *
                      (1 - 0.45 * back) +

@@ -133,17 +133,25 @@ struct source { // of light: direction, radiance times solid angle
     double d[3], e[3];
 };
 
+static void texel_direction(const struct sky_fit_target *t, size_t i,
+                            double d[3])
+{
+    double own[3] = {t->direction[0][i], t->direction[1][i],
+                     t->direction[2][i]};
+    sky_fit_target_to_map(t, own, d);
+}
+
 // The map's energy, as the fit's own splat has it.
 static size_t map_sources(const struct sky_map *map, struct sky_fit_target *t,
                           struct source **out)
 {
     sky_fit_target_init(t, map, 1, SKY_FIT_PLAIN);
     *out = bytes_zalloc(t->count, sizeof **out);
-    for (size_t i = 0; i < t->count; i++)
-        for (int k = 0; k < 3; k++) {
-            (*out)[i].d[k] = t->direction[k][i];
+    for (size_t i = 0; i < t->count; i++) {
+        texel_direction(t, i, (*out)[i].d);
+        for (int k = 0; k < 3; k++)
             (*out)[i].e[k] = t->black ? 0 : t->value[k][i] * t->root[i];
-        }
+    }
     return t->count;
 }
 
@@ -194,8 +202,7 @@ static size_t fit_sources(const struct sky_fit *fit,
             wide.light[wide.count++] = fit->light[j];
     for (size_t i = 0; i < t->count; i++) {
         struct source *s = *out + i;
-        for (int k = 0; k < 3; k++)
-            s->d[k] = t->direction[k][i];
+        texel_direction(t, i, s->d);
         sky_fit_eval(&wide, s->d, s->e);
         for (int k = 0; k < 3; k++)
             s->e[k] *=
