@@ -221,15 +221,6 @@ static void note_taken(struct engine *e, uint64_t revision)
         e->taken_revision = revision;
 }
 
-static void note_failure(struct engine *e, uint64_t revision,
-                         const struct error *err)
-{
-    struct engine_event event = {
-        .type = ENGINE_FAILED, .error = *err, .frame.revision = revision};
-    e->stats.failures++;
-    push(e, &event);
-}
-
 // Entered and left under the lock, as all of the following.
 static void do_live(struct engine *e)
 {
@@ -246,8 +237,11 @@ static void do_live(struct engine *e)
     progress(e, "");
     note_stats(e);
     note_frames(e, frames, count);
+    struct engine_event failed = {
+        .type = ENGINE_FAILED, .error = err, .frame.revision = wish.revision};
+    e->stats.failures += !ok;
     if (!ok)
-        note_failure(e, wish.revision, &err);
+        push(e, &failed);
 }
 
 static bool capture_goes_on(struct engine *e)

@@ -6,13 +6,6 @@
 #include "server/verbs.h"
 #include "server/version.h"
 
-// Until every verb is there.
-#pragma weak verb_serve_run
-#pragma weak verb_render_run
-#pragma weak verb_probe_run
-#pragma weak verb_fit_run
-#pragma weak verb_info_run
-
 static const struct verb {
     const char *name;
     int (*run)(int argc, char **argv);
