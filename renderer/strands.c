@@ -8,22 +8,7 @@
 
 #include "protocol/bytes.h"
 #include "renderer/gl.h"
-
-// File axes to world axes: a cyclic change, so handedness is kept; a y-up
-// file's +z is the world's -y, its front.
-static void to_world(int up, const float in[3], float out[3])
-{
-    switch (up) {
-    case 0: // x up
-        memcpy(out, (float[3]){in[1], in[2], in[0]}, 12);
-        break;
-    case 1: // y up
-        memcpy(out, (float[3]){in[0], -in[2], in[1]}, 12);
-        break;
-    default:
-        memcpy(out, in, 12);
-    }
-}
+#include "renderer/place.h"
 
 static bool upload(unsigned *buffer, const void *data, size_t size,
                    const char *name, struct error *err)
@@ -41,17 +26,6 @@ static bool upload(unsigned *buffer, const void *data, size_t size,
     return gl_check(name, err);
 }
 
-static float diameter_at(const struct groom *g, const struct params *p,
-                         uint32_t i)
-{
-    if (p->hair.diameter > 0)
-        return p->hair.diameter;
-    if (g->diameter)
-        return g->diameter[i];
-    return g->default_diameter > 0 ? g->default_diameter
-                                   : groom_auto_diameter(g);
-}
-
 static void grow_box(struct strands *s, const float p[3])
 {
     for (int k = 0; k < 3; k++) {
@@ -60,18 +34,12 @@ static void grow_box(struct strands *s, const float p[3])
     }
 }
 
-static void place_head(struct strands *s, const struct groom *g, float scale)
+static void grow_by_head(struct strands *s, const struct groom *g,
+                         const struct params *p)
 {
-    s->has_head = g->head.present;
+    s->has_head = place_head(g, p, s->head_centre, s->head_radius);
     if (!s->has_head)
         return;
-    float centre[3], radius[3];
-    to_world(s->up, g->head.centre, centre);
-    to_world(s->up, g->head.radius, radius);
-    for (int k = 0; k < 3; k++) {
-        s->head_centre[k] = scale * centre[k];
-        s->head_radius[k] = scale * fabsf(radius[k]);
-    }
     for (int sign = -1; sign <= 1; sign += 2) {
         float corner[3];
         for (int k = 0; k < 3; k++)
@@ -83,19 +51,16 @@ static void place_head(struct strands *s, const struct groom *g, float scale)
 static void fill(struct strands *s, const struct groom *g,
                  const struct params *p, float *position, uint32_t *strand)
 {
-    const float scale = p->hair.scale;
-    const bool varies = p->hair.diameter <= 0 && g->diameter;
-    float d = varies ? 0 : diameter_at(g, p, 0);
+    const bool varies = place_diameter_varies(g, p);
+    float d = varies ? 0 : place_diameter(g, p, 0);
     for (uint32_t k = 0; k < g->strands; k++)
         for (uint32_t i = g->first[k]; i < g->first[k + 1]; i++) {
-            float *out = position + 4 * (size_t)i, at[3];
-            to_world(s->up, g->position + 3 * (size_t)i, at);
-            for (int c = 0; c < 3; c++)
-                out[c] = scale * at[c];
+            float *out = position + 4 * (size_t)i;
+            place_point(g, p, i, out);
             if (varies)
-                d = diameter_at(g, p, i);
+                d = place_diameter(g, p, i);
             s->diameter = fmaxf(s->diameter, d);
-            float world = fmaxf(scale * d, 1e-12f);
+            float world = place_width(p, d);
             s->diameter_min = fminf(s->diameter_min, world);
             s->diameter_max = fmaxf(s->diameter_max, world);
             out[3] = i + 1 == g->first[k + 1] ? -world : world;
@@ -133,7 +98,7 @@ bool strands_build(struct strands *s, const struct groom *g,
     const size_t n = g->points;
     float *position = bytes_zalloc(n * 4, sizeof *position);
     uint32_t *strand = bytes_zalloc(n, sizeof *strand);
-    s->up = p->hair.up > 0 ? p->hair.up - 1 : g->up;
+    s->up = place_up(g, p);
     s->points = g->points;
     s->strands = g->strands;
     s->diameter_min = INFINITY;
@@ -142,7 +107,7 @@ bool strands_build(struct strands *s, const struct groom *g,
         s->box_max[k] = -INFINITY;
     }
     fill(s, g, p, position, strand);
-    place_head(s, g, p->hair.scale);
+    grow_by_head(s, g, p);
     s->bytes = n * 20;
     for (int c = 0; c < 3; c++)
         s->plain_colour[c] = p->hair.use_colour ? g->default_colour[c] : 1;
@@ -186,8 +151,8 @@ static void tangent_at(const struct strands *s, const struct groom *g,
                        uint32_t i, uint32_t a, uint32_t b, float out[3])
 {
     float from[3], to[3];
-    to_world(s->up, g->position + 3 * (size_t)(i > a ? i - 1 : i), from);
-    to_world(s->up, g->position + 3 * (size_t)(i + 1 < b ? i + 1 : i), to);
+    place_axes(s->up, g->position + 3 * (size_t)(i > a ? i - 1 : i), from);
+    place_axes(s->up, g->position + 3 * (size_t)(i + 1 < b ? i + 1 : i), to);
     for (int c = 0; c < 3; c++)
         out[c] = to[c] - from[c];
     if (!normalise(out))
@@ -243,8 +208,8 @@ static void strand_axes(const struct strands *s, const struct groom *g,
     out[a] = octahedral(v);
     for (uint32_t i = a + 1; i < b; i++) {
         float p0[3], p1[3], chord[3], t1[3], tl[3], n2[3];
-        to_world(s->up, g->position + 3 * (size_t)(i - 1), p0);
-        to_world(s->up, g->position + 3 * (size_t)i, p1);
+        place_axes(s->up, g->position + 3 * (size_t)(i - 1), p0);
+        place_axes(s->up, g->position + 3 * (size_t)i, p1);
         tangent_at(s, g, i, a, b, t1);
         memcpy(tl, t0, sizeof tl);
         for (int c = 0; c < 3; c++)
