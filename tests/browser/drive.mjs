@@ -59,10 +59,10 @@ function serve(port) {
     setTimeout(() => no(new Error("glintd does not listen: " + errors)), WAIT).unref();
   });
 }
-async function kill() {
+async function kill(signal) { // resolves with the exit status
   const gone = new Promise((f) => daemon.on("exit", f));
-  daemon.kill("SIGKILL");
-  await gone;
+  daemon.kill(signal);
+  return gone;
 }
 
 // --- the page ------------------------------------------------------------------
@@ -401,7 +401,7 @@ await test("no_complaints", async () => {
 
 await test("reconnects_by_itself", async () => {
   down = true;
-  await kill();
+  await kill("SIGKILL");
   await until("the loss to show", async () => (await page.getAttribute("#link", "class")) === "down");
   check(await page.isVisible("#banner"), "no banner");
   await snap("before");
@@ -411,6 +411,7 @@ await test("reconnects_by_itself", async () => {
   down = false;
   await until("the server's state", async () =>
     await control("fibre.w_c, exact").inputValue() === "10");
+  await until("its first picture", async () => await revision() === 1);
   await settled(0);
   await snap("after");
   check(await differ("first", "after") === 0, "the first state again, and yet it differs");
@@ -423,7 +424,14 @@ await test("reconnects_by_itself", async () => {
 const shots = join(ROOT, "build");
 mkdirSync(shots, { recursive: true });
 await page.screenshot({ path: join(shots, "browser.png") });
+
+await test("daemon_ends_in_order", async () => { // with a viewer connected
+  down = true;
+  const late = sleep(WAIT).then(() => "no end within " + WAIT + " ms");
+  const status = await Promise.race([kill("SIGTERM"), late]);
+  check(status === 0, "exit status after SIGTERM:", status);
+});
+daemon.kill("SIGKILL");
 await browser.close();
-await kill();
 rmSync(profile, { recursive: true, force: true });
 process.exit(failed ? 1 : 0);
