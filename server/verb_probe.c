@@ -5,10 +5,13 @@
 #include "server/verbs.h"
 
 #include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "protocol/bytes.h"
 #include "protocol/params.h"
@@ -19,7 +22,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-enum { COLUMNS = PROBE_INPUTS, LINE_MAX_BYTES = 4096, SLOW_BATCH = 32 };
+enum { COLUMNS = PROBE_INPUTS, LINE_MAX_BYTES = 4096, SLOW_BATCH = 128 };
 
 enum scheme { SCHEME_PAPER, SCHEME_EXACT };
 
@@ -133,31 +136,63 @@ static bool parse_line(const char *text, long line, double out[COLUMNS],
 }
 
 // --- batches ----------------------------------------------------------------
-static void run_exact(const double v[COLUMNS], double delta_eta)
+// The reference takes milliseconds a case: one thread a processor, each taking
+// the next case that nobody has.
+struct crew {
+    const struct batch *batch;
+    atomic_size_t next;
+    double out[SLOW_BATCH][EXACT_MODES];
+};
+
+static void *work(void *arg)
 {
-    double out[EXACT_MODES];
-    struct exact_case c = {.eta = v[0],
-                           .sigma_a = v[1],
-                           .alpha = {v[2], v[3], v[4]},
-                           .beta = {v[5], v[6], v[7]},
-                           .w_c = v[8],
-                           .a = v[9],
-                           .lambda_j = v[10],
-                           .theta_j = v[11],
-                           .phi_j = v[12],
-                           .theta_o = v[13],
-                           .phi_o = v[14],
-                           .delta_eta = delta_eta};
-    exact_modes(&c, out);
-    printf("%.9g %.9g %.9g\n", out[EXACT_R], out[EXACT_TT], out[EXACT_TRT]);
+    struct crew *crew = arg;
+    const struct batch *b = crew->batch;
+    for (;;) {
+        size_t i = atomic_fetch_add(&crew->next, 1);
+        if (i >= b->count)
+            return NULL;
+        const double *v = b->value[i];
+        struct exact_case c = {.eta = v[0],
+                               .sigma_a = v[1],
+                               .alpha = {v[2], v[3], v[4]},
+                               .beta = {v[5], v[6], v[7]},
+                               .w_c = v[8],
+                               .a = v[9],
+                               .lambda_j = v[10],
+                               .theta_j = v[11],
+                               .phi_j = v[12],
+                               .theta_o = v[13],
+                               .phi_o = v[14],
+                               .delta_eta = b->delta_eta};
+        exact_modes(&c, crew->out[i]);
+    }
+}
+
+static void run_exact(const struct batch *b)
+{
+    enum { THREADS_MAX = 64 };
+    struct crew crew = {.batch = b};
+    pthread_t thread[THREADS_MAX];
+    long wanted = sysconf(_SC_NPROCESSORS_ONLN) - 1; // this one works too
+    int made = 0;
+    while (made < wanted && made < THREADS_MAX && (size_t)made + 1 < b->count &&
+           pthread_create(&thread[made], NULL, work, &crew) == 0)
+        made++;
+    work(&crew);
+    while (made > 0)
+        pthread_join(thread[--made], NULL);
+    for (size_t i = 0; i < b->count; i++)
+        printf("%.9g %.9g %.9g\n", crew.out[i][EXACT_R], crew.out[i][EXACT_TT],
+               crew.out[i][EXACT_TRT]);
 }
 
 static bool run_batch(struct batch *b, struct error *err)
 {
     static float cases[PROBE_BATCH * PROBE_INPUTS];
     static float results[PROBE_BATCH * PROBE_OUTPUTS];
-    for (size_t i = 0; i < b->count && b->scheme == SCHEME_EXACT; i++)
-        run_exact(b->value[i], b->delta_eta);
+    if (b->scheme == SCHEME_EXACT)
+        run_exact(b);
     if (b->scheme == SCHEME_PAPER && b->count > 0) {
         for (size_t i = 0; i < b->count * COLUMNS; i++)
             cases[i] = (float)b->value[i / COLUMNS][i % COLUMNS];
