@@ -56,7 +56,7 @@ function note(edit) {
 
 function set(edit, noted) {
   if (!panel || !link.isUp())
-    return say("not connected: nothing was changed", true);
+    return say("not connected", true);
   if (!noted)
     note(edit);
   Object.assign(pending, edit);
@@ -182,7 +182,8 @@ function shown({ body, ...head }) {
   frame = head;
   $("level").textContent = `${level} ${samples}/${wanted}`;
   $("progress").value = head.final ? 1 : samples / wanted;
-  $("ms").textContent = `${ms(head.render_ms)} + ${ms(head.encode_ms)} ms`;
+  if (head.render_ms) // not the same picture in better quality
+    $("ms").textContent = `${ms(head.render_ms)} + ${ms(head.encode_ms)} ms`;
   if (head.echo && head.echo !== before.echo)
     $("trip").textContent = `trip ${ms(performance.now() - head.echo)} ms`;
   $("rev").textContent = "r" + head.revision;
@@ -319,7 +320,7 @@ function compare() {
   const other = looks[side] ??= now;
   $("ab").textContent = "AB"[side];
   $("ab").setAttribute("aria-pressed", !!side);
-  say(other === now ? "look B begins as a copy of A" : "look " + "AB"[side]);
+  say(other === now ? "B begins as a copy of A" : "look " + "AB"[side]);
   const edit = pick(other, (k, v) => !same(v, now[k]));
   if (Object.keys(edit).length)
     set(edit);
