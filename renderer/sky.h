@@ -66,7 +66,7 @@ struct sky_fit {
 };
 
 // Fits `lights` (1..SKY_LIGHTS_MAX) SRBF lights.  Deterministic; blocks: 0.3 s
-// for 40, 1 s for 80, 8 s for 200 lights.  A black map gives no lights.
+// for 40, 1 s for 80, 3 s for 200 lights.  A black map gives no lights.
 // Widths: 0.02 to 2.2 / sqrt(lights), in the plain mode 0.05 to 4.  cache_dir:
 // fits are kept there by content hash and settings; NULL keeps none; a cache
 // that cannot be used is not an error.

@@ -5,7 +5,8 @@
 
 #include "renderer/sky_fit_model.h"
 
-// Returns the iterations done, at most 40.  m->f2 does not rise.
+// Returns the iterations done, at most 40; ends earlier when the residual is
+// below 0.001 or falls no more.  m->f2 does not rise.
 int sky_fit_lm_run(struct sky_fit_model *m);
 
 #endif
