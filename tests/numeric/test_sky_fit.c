@@ -309,6 +309,22 @@ static bool same_fit(struct sky_fit a, const struct sky_fit *b)
     return memcmp(&a, b, sizeof a) == 0;
 }
 
+static void check_lights(const struct sky_fit *fit, int lights)
+{
+    for (int j = 0; j < fit->count; j++) {
+        const struct sky_light *l = &fit->light[j];
+        double n =
+            hypot(hypot(l->direction[0], l->direction[1]), l->direction[2]);
+        CHECK_NEAR(n, 1, 1e-12);
+        CHECK(l->lambda >= 0.02 - 1e-12);
+        // 2.2 / sqrt(N), but for what the two ways of taking a blur away
+        // differ: squares subtracted or mean cosines divided.
+        CHECK_ATMOST(l->lambda, 1.06 * 2.2 / sqrt(lights));
+        CHECK(l->radiance[0] >= 0 && l->radiance[1] >= 0 &&
+              l->radiance[2] >= 0);
+    }
+}
+
 static void test_numbers_of_lights(void)
 {
     static struct sky_fit a, b;
@@ -323,18 +339,7 @@ static void test_numbers_of_lights(void)
         CHECK(a.count >= 1 && a.count <= counts[i]);
         CHECK(a.residual < f);
         f = a.residual;
-        for (int j = 0; j < a.count; j++) {
-            const struct sky_light *l = &a.light[j];
-            double n =
-                hypot(hypot(l->direction[0], l->direction[1]), l->direction[2]);
-            CHECK_NEAR(n, 1, 1e-12);
-            CHECK(l->lambda >= 0.02 - 1e-12);
-            // 2.2 / sqrt(N), but for what the two ways of taking a blur away
-            // differ: squares subtracted or mean cosines divided.
-            CHECK_ATMOST(l->lambda, 1.06 * 2.2 / sqrt(counts[i]));
-            CHECK(l->radiance[0] >= 0 && l->radiance[1] >= 0 &&
-                  l->radiance[2] >= 0);
-        }
+        check_lights(&a, counts[i]);
         printf("  N %3d: f %.5f, %d lights, %.3f s\n", counts[i], a.residual,
                a.count, a.seconds);
     }
