@@ -79,7 +79,7 @@ static bool run_hello(struct session *s, const struct line *line,
         return error_set(err, "token", "token",
                          "this server wants `hello token=...` first");
     if (!s->allowed && !token_is(token->value, s->hub->token)) {
-        s->quit = true; // one guess per connection
+        s->quit = s->expelled = true; // one guess per connection
         return error_set(err, "token", "token", "the token is wrong");
     }
     s->allowed = true;

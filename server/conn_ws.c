@@ -77,8 +77,9 @@ void conn_ws_send_frame(struct conn *c, struct span header, struct blob *b)
 static void request(struct conn *c, struct span text)
 {
     session_request(&c->session, text);
+    bool expelled = c->session.expelled;
     if (c->session.quit)
-        conn_ws_close(c, WEBSOCKET_NORMAL, NULL);
+        conn_ws_close(c, expelled ? WEBSOCKET_POLICY : WEBSOCKET_NORMAL, NULL);
 }
 
 // At most one pong waits: a peer that does not read cannot fill our memory

@@ -52,7 +52,8 @@ struct session {
     const struct session_out *out;
     struct session *next, *previous; // in the hub
     bool allowed;                    // no token needed, or it was given
-    bool quit; // the carrier closes once the replies are out
+    bool quit;     // the carrier closes once the replies are out
+    bool expelled; // and not because it asked for it
     // Streaming
     bool streaming;
     bool own_format;           // else output.format of the state

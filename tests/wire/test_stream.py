@@ -169,9 +169,14 @@ def encodings_of_a_resting_hand(d):
         c.ask("ack id=%d" % f["id"])
         if f["final"] and f["quality"] == 90:
             break
-    ways = {(f["quality"], f["chroma"]) for f in frames
-            if f["revision"] == r}
-    equal(ways, {(75, "420"), (90, "444")}, "in haste, then with care")
+    frames = [f for f in frames if f["revision"] == r]
+    for f in frames:
+        way = (f["quality"], f["chroma"])
+        true(way in ((75, "420"), (90, "444")), way)
+        # On a busy machine even the first frame may come after the 300 ms.
+        if f["queued_us"] - f["received_us"] < 300000:
+            equal(way, (75, "420"), "in haste")
+    equal(frames[-1]["chroma"], "444", "with care")
     true(c.silent(0.5), "and then nothing more")
     # The user's own choice overrides.
     c.ask("stream on quality=33 chroma=444")
@@ -306,6 +311,28 @@ def viewers_have_a_limit(d):
         v.close()
 
 
+def failures_of_rendering_are_told(d):
+    c, other = d.connect(), d.connect()
+    c.ask("stream on quality=50")
+    until_final(c, 1)
+    r = other.ask("set image.width=8192 image.height=4000 quality.samples=1")[
+        "revision"]
+    head, _ = c.message()
+    if "frame" in head:
+        c.vanish()
+        other.close()
+        return  # this device is able to do it
+    equal((head["event"], head["revision"]), ("failed", r), "the notice")
+    true(head["error"]["text"] and "ok" not in head, head)
+    e = other.refused("capture format=jpeg")
+    true(e.text, "a capture of it is refused")
+    true(other.ask("stats")["render_failures"] >= 1, "counted")
+    r = other.ask("set image.width=96 image.height=64")["revision"]
+    equal(until_final(c, r)[-1]["revision"], r, "and it goes on")
+    c.close()
+    other.close()
+
+
 def clients_that_vanish(d):
     for i in range(20):
         c = d.connect()
@@ -333,4 +360,4 @@ if __name__ == "__main__":
          size_follows_the_state, one_encode_serves_all, stream_off,
          nothing_is_rendered_for_nobody, a_capture_spares_the_viewers,
          a_slow_client_hinders_nobody, viewers_have_a_limit,
-         clients_that_vanish], Daemon())
+         failures_of_rendering_are_told, clients_that_vanish], Daemon())

@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
 """Every verb, its reply and its refusals."""
+import os
 import struct
+import subprocess
 import time
 
-from glint_wire import Daemon, equal, run, true, written
+from glint_wire import (GLINTD, PATIENCE, Daemon, baseline, equal, run, true,
+                        written)
 
 
 def ping(d):
@@ -195,6 +198,29 @@ def capture_is_deterministic(d):
     c.close()
 
 
+def a_fresh_start_gives_the_same(d):
+    """By edits and capture, or by `glintd render` from nothing: same bytes."""
+    c = d.connect()
+    state = baseline(d)[4:].split()
+    edits = ["fibre.eta=1.7", "light.yaw=20", "fibre.sigma_a=0.3,0.2,0.1"]
+    c.ask("set fibre.beta_r=12 view.exposure=3 quality.samples=9")
+    c.capture("format=png size=31x17")
+    c.ask("set " + " ".join(state + edits).replace(" fibre.eta=1.55", "", 1)
+          .replace(" light.yaw=0", "", 1)
+          .replace(" fibre.sigma_a=0.15,0.25,0.45", "", 1))
+    for end in ("exr", "png", "jpg"):
+        out = os.path.join(d.folder.name, "fresh." + end)
+        command = [GLINTD, "render", "--hair", d.groom, "--out", out]
+        for word in state + edits:
+            command += ["--set", word]
+        subprocess.run(command, check=True, timeout=PATIENCE,
+                       stdout=subprocess.DEVNULL)
+        _, body = c.capture("format=" + end.replace("jpg", "jpeg"))
+        with open(out, "rb") as f:
+            true(f.read() == body, end)
+    c.close()
+
+
 def capture_waits_for_its_revision(d):
     a, b = d.connect(), d.connect()
     now = a.ask("get fibre.eta")["revision"]
@@ -320,6 +346,7 @@ if __name__ == "__main__":
     run([ping, hello, schema_and_get, bounds_of_every_parameter,
          range_error_verbatim, set_is_all_or_none, capture_formats,
          capture_holds_its_state, capture_size_is_for_once,
-         capture_is_deterministic, capture_waits_for_its_revision,
+         capture_is_deterministic, a_fresh_start_gives_the_same,
+         capture_waits_for_its_revision,
          hair_and_env, capture_shows_the_new_hair, stats, quit_closes_this_one,
          unknown_verbs_and_arguments], Daemon())
