@@ -177,11 +177,9 @@ INSIDE bool meets(const struct shoot_leaf *l, int lane, const struct gaze *g,
     if (!(length2 > 1e-20 * dot(e, e)))
         return false; // along the ray
     m->along = -(qx * ex + qy * ey) / length2;
-    if (!(m->along >= 0 && m->along < 1))
-        return false;
     const double part = m->along * SHOOT_PARTS;
-    if (part < l->from[lane] || part >= l->to[lane])
-        return false; // another leaf's
+    if (!(part >= l->from[lane] && part < l->to[lane]))
+        return false; // beyond its ends, or another leaf's
     const double a = (double)l->radius_a[lane], b = (double)l->radius_b[lane];
     const double radius = a + m->along * (b - a);
     const double area = qx * ey - qy * ex;

@@ -98,6 +98,81 @@ static void test_ribbon(void)
     groom_destroy(g);
 }
 
+// Rays along segments, through them, in directions where rounding leaves a
+// little that is not along: it must not be taken for a ribbon seen from its
+// end.
+static void test_lengthways(void)
+{
+    check_case("shoot meets no segment that lies along the ray");
+    uint64_t seed = 13;
+    int met = 0, before = 0;
+    for (int i = 0; i < 2000; i++) {
+        struct groom *g = shoot_brute_groom(1, 2, 0.25f);
+        double d[3], n = 0;
+        for (uint32_t c = 0; c < 6; c++)
+            g->position[c] = (float)uniform(&seed, -1, 1);
+        struct shoot_ray r = ray_at(0, 0, 0);
+        for (int c = 0; c < 3; c++) {
+            d[c] = (double)g->position[3 + c] - (double)g->position[c];
+            n += d[c] * d[c];
+        }
+        for (int c = 0; c < 3; c++) {
+            r.direction[c] = d[c] / sqrt(n);
+            r.origin[c] = (double)g->position[c] - 0.3 * d[c];
+        }
+        struct shoot *s = shoot_brute_scene(g);
+        met += crossings(s, &r) != 0;
+        // turned by 1e-6 rad about its beginning, it is met
+        int k = fabs(d[0]) < fabs(d[1]) ? 0 : 1;
+        r.origin[k] -= 1e-6;
+        for (int c = 0; c < 3; c++)
+            r.direction[c] = (double)g->position[c] + 0.01 * d[c] - r.origin[c];
+        n = sqrt(r.direction[0] * r.direction[0] +
+                 r.direction[1] * r.direction[1] +
+                 r.direction[2] * r.direction[2]);
+        for (int c = 0; c < 3; c++)
+            r.direction[c] /= n;
+        before += crossings(s, &r) != 1;
+        shoot_destroy(s);
+        groom_destroy(g);
+    }
+    CHECK(met == 0);
+    CHECK(before == 0);
+}
+
+// Rays that touch the edge of a ribbon from inside, along the face of its box,
+// at coordinates that floats do not hold exactly.
+static void test_grazing(void)
+{
+    check_case("shoot loses no ribbon whose edge is grazed");
+    uint64_t seed = 14;
+    int wrong = 0;
+    for (int i = 0; i < 3000; i++) {
+        struct groom *g = shoot_brute_groom(1, 2, 0.1f);
+        uint32_t x = (uint32_t)i % 3, y = (x + 1) % 3, z = (x + 2) % 3;
+        for (uint32_t c = 0; c < 3; c++)
+            g->position[c] = g->position[3 + c] = (float)uniform(&seed, -1, 1);
+        g->position[3 + x] += 0.5f;
+        double sign = i % 2 ? 1 : -1, phi = uniform(&seed, 0.1, 3);
+        struct shoot_ray r = ray_at(0, 0, 0);
+        r.direction[x] = cos(phi);
+        r.direction[y] = sin(phi);
+        r.direction[z] = 0;
+        double back = uniform(&seed, 0, 3);
+        r.origin[x] = (double)g->position[x] + 0.2 - back * cos(phi);
+        r.origin[y] = (double)g->position[y] - back * sin(phi);
+        r.origin[z] =
+            (double)g->position[z] + sign * ((double)0.1f / 2) * (1 - 1e-12);
+        struct shoot *s = shoot_brute_scene(g);
+        wrong += crossings(s, &r) != 1;
+        r.origin[z] += sign * 1e-12; // and does not gain one
+        wrong += crossings(s, &r) != 0;
+        shoot_destroy(s);
+        groom_destroy(g);
+    }
+    CHECK(wrong == 0);
+}
+
 // Ten strands across the ray at x = 1..10.
 static struct groom *ladder(float diameter)
 {
@@ -305,7 +380,10 @@ static void head_inside(const struct shoot *s, double level)
         }
         struct shoot_hit hit;
         shoot_ray(s, &r, &hit);
-        wrong += fabs(slope) > 1e-6 && hit.head != (slope < 0);
+        uint32_t segment;
+        double along, t = shoot_first(s, &r, &segment, &along);
+        wrong += fabs(slope) > 1e-6 &&
+                 (hit.head != (slope < 0) || (slope < 0 && t != 0));
     }
     CHECK(wrong == 0);
 }
@@ -406,6 +484,8 @@ int main(void)
 {
     test_heap();
     test_ribbon();
+    test_lengthways();
+    test_grazing();
     test_reach();
     test_opacity();
     test_own();
