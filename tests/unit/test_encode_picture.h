@@ -78,8 +78,9 @@ static inline void picture_hair8(unsigned char *out, int w, int h)
     for (size_t i = 0; i < n; i++) {
         for (int c = 0; c < 3; c++)
             out[4 * i + (size_t)c] =
-                (unsigned char)(255 * powf(rgba[4 * i + (size_t)c] + 0.035f *
-                                           (1 - rgba[4 * i + 3]), 0.4545f));
+                (unsigned char)(255 * powf(rgba[4 * i + (size_t)c] +
+                                               0.035f * (1 - rgba[4 * i + 3]),
+                                           0.4545f));
         out[4 * i + 3] = (unsigned char)(255 * rgba[4 * i + 3] + 0.5f);
     }
     free(rgba);
