@@ -2,14 +2,19 @@
 // and compression are the library's; this file hands it channels and rows.
 #include "renderer/encode.h"
 
-#include <math.h>
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <openexr.h>
 
-enum { LAYERS_MAX = 32, CHANNELS_MAX = 4 * LAYERS_MAX };
+enum {
+    LAYERS_MAX = 32,
+    CHANNELS_MAX = 4 * LAYERS_MAX,
+    SIDE_MAX = 16384, // a row's 16 bytes a pixel stay far below 2^31
+    LEVEL = 4 // of zlib; 6, the usual one, takes twice as long and saves 3 %
+};
 
 struct sink { // the file, written at any offset
     struct buf *out;
@@ -40,11 +45,12 @@ static void on_error(exr_const_context_t context, exr_result_t code,
     if (exr_get_user_data(context, &user) != EXR_ERR_SUCCESS || !user)
         return;
     struct sink *s = user;
-    error_set(s->err, "encode", "exr", "EXR: %s", message);
+    if (!s->err->text[0]) // the first one is the cause
+        error_set(s->err, "encode", "exr", "EXR: %s", message);
 }
 
 struct channel {
-    char name[64];
+    char name[64]; // the library refuses what is longer than 31
     int layer, component;
 };
 
@@ -71,117 +77,140 @@ static int list_channels(const struct encode_exr *p, struct channel *list)
     return n;
 }
 
-static bool header(exr_context_t file, const struct encode_exr *p,
-                   const struct channel *list, int channels)
+// --- writing
+// -------------------------------------------------------------------
+
+struct job {
+    exr_context_t file;
+    const struct encode_exr *picture;
+    struct channel list[CHANNELS_MAX];
+    int channels;
+    int chunk;                  // rows in one
+    float *clamped[LAYERS_MAX]; // of a chunk; NULL for floats
+};
+
+static bool good(exr_result_t result) // on_error has kept the reason
 {
+    return result == EXR_ERR_SUCCESS;
+}
+
+static bool header(struct job *j)
+{
+    const struct encode_exr *p = j->picture;
+    exr_context_t file = j->file;
     int part = 0;
-    bool ok =
-        exr_add_part(file, NULL, EXR_STORAGE_SCANLINE, &part) ==
-            EXR_ERR_SUCCESS &&
-        exr_initialize_required_attr_simple(file, part, p->width, p->height,
-                                            EXR_COMPRESSION_ZIP) ==
-            EXR_ERR_SUCCESS;
-    for (int c = 0; ok && c < channels; c++)
-        ok = exr_add_channel(file, part, list[c].name,
-                             p->half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
-                             EXR_PERCEPTUALLY_LINEAR, 1, 1) == EXR_ERR_SUCCESS;
+    bool ok = good(exr_add_part(file, NULL, EXR_STORAGE_SCANLINE, &part)) &&
+              good(exr_initialize_required_attr_simple(
+                  file, part, p->width, p->height, EXR_COMPRESSION_ZIP)) &&
+              good(exr_set_zip_compression_level(file, part, LEVEL));
+    for (int c = 0; ok && c < j->channels; c++)
+        // "logarithmic" is what every writer of linear light calls itself: the
+        // eye's answer to the numbers is meant
+        ok = good(exr_add_channel(file, part, j->list[c].name,
+                                  p->half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
+                                  EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
     for (const char *const *t = p->text; ok && t && t[0]; t += 2)
-        ok = exr_attr_set_string(file, part, t[0], t[1]) == EXR_ERR_SUCCESS;
-    return ok && exr_write_header(file) == EXR_ERR_SUCCESS;
+        ok = good(exr_attr_set_string(file, part, t[0], t[1]));
+    return ok && good(exr_write_header(file)) &&
+           good(exr_get_scanlines_per_chunk(file, part, &j->chunk));
 }
 
-// Rows [y, y + rows) of every layer, clamped to what a half holds: infinity
-// would spread in every filter that reads the file.  NaN stays NaN.
-static void clamp_rows(const struct encode_exr *p, int y, int rows,
-                       float *const *scratch)
+// Infinity would spread in every filter that reads the file.  NaN stays NaN.
+static inline float clamp(float v)
 {
-    const size_t n = 4 * (size_t)p->width * (size_t)rows;
-    for (int l = 0; l < p->layer_count; l++) {
-        const float *from = p->layers[l].rgba + 4 * (size_t)p->width * (size_t)y;
-        for (size_t i = 0; i < n; i++)
-            scratch[l][i] = from[i] > 65504    ? 65504
-                            : from[i] < -65504 ? -65504
-                                               : from[i];
-    }
+    return v > 65504 ? 65504 : v < -65504 ? -65504 : v;
 }
 
-static void point_at(exr_encode_pipeline_t *pipe, const struct encode_exr *p,
-                     const struct channel *list, int y, float *const *scratch)
+static const float *rows_of(struct job *j, int layer, int y)
 {
-    for (int c = 0; c < pipe->channel_count; c++) {
+    const struct encode_exr *p = j->picture;
+    const size_t row = 4 * (size_t)p->width;
+    const float *rows = p->layers[layer].rgba + row * (size_t)y;
+    if (!p->half)
+        return rows;
+    int count = p->height - y < j->chunk ? p->height - y : j->chunk;
+    float **to = &j->clamped[layer];
+    if (!*to)
+        *to = bytes_alloc(sizeof(float) * row * (size_t)j->chunk);
+    for (size_t i = 0; i < row * (size_t)count; i++)
+        (*to)[i] = clamp(rows[i]);
+    return *to;
+}
+
+static void point_at(exr_encode_pipeline_t *pipe, struct job *j, int y)
+{
+    const float *rows[LAYERS_MAX];
+    for (int l = 0; l < j->picture->layer_count; l++)
+        rows[l] = rows_of(j, l, y);
+    assert(pipe->channel_count == j->channels);
+    for (int c = 0; c < j->channels; c++) {
         exr_coding_channel_info_t *to = &pipe->channels[c];
-        const float *rows = p->half
-                                ? scratch[list[c].layer]
-                                : p->layers[list[c].layer].rgba +
-                                      4 * (size_t)p->width * (size_t)y;
+        const struct channel *from = &j->list[c];
+        assert(strcmp(to->channel_name, from->name) == 0);
         to->user_pixel_stride = 16;
-        to->user_line_stride = 16 * p->width;
+        to->user_line_stride = 16 * j->picture->width;
         to->user_bytes_per_element = 4;
-        to->user_data_type = EXR_PIXEL_FLOAT;
-        to->encode_from_ptr = (const uint8_t *)(rows + list[c].component);
+        to->user_data_type = EXR_PIXEL_FLOAT; // the library makes halves of it
+        to->encode_from_ptr =
+            (const uint8_t *)(rows[from->layer] + from->component);
     }
 }
 
-static bool chunks(exr_context_t file, const struct encode_exr *p,
-                   const struct channel *list, float *const *scratch)
+static bool chunks(struct job *j)
 {
     exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
-    int32_t step = 1;
-    bool ok = exr_get_scanlines_per_chunk(file, 0, &step) == EXR_ERR_SUCCESS;
-    for (int y = 0; ok && y < p->height; y += step) {
+    bool ok = true;
+    for (int y = 0; ok && y < j->picture->height; y += j->chunk) {
         exr_chunk_info_t info;
-        ok = exr_write_scanline_chunk_info(file, 0, y, &info) ==
-             EXR_ERR_SUCCESS;
+        ok = good(exr_write_scanline_chunk_info(j->file, 0, y, &info)) &&
+             good(y == 0 ? exr_encoding_initialize(j->file, 0, &info, &pipe)
+                         : exr_encoding_update(j->file, 0, &info, &pipe));
         if (!ok)
             break;
-        ok = (y == 0 ? exr_encoding_initialize(file, 0, &info, &pipe)
-                     : exr_encoding_update(file, 0, &info, &pipe)) ==
-             EXR_ERR_SUCCESS;
-        if (!ok)
-            break;
-        if (p->half)
-            clamp_rows(p, y, p->height - y < step ? p->height - y : step,
-                       scratch);
-        point_at(&pipe, p, list, y, scratch);
+        point_at(&pipe, j, y);
         if (y == 0)
-            ok = exr_encoding_choose_default_routines(file, 0, &pipe) ==
-                 EXR_ERR_SUCCESS;
-        ok = ok && exr_encoding_run(file, 0, &pipe) == EXR_ERR_SUCCESS;
+            ok = good(exr_encoding_choose_default_routines(j->file, 0, &pipe));
+        ok = ok && good(exr_encoding_run(j->file, 0, &pipe));
     }
-    exr_encoding_destroy(file, &pipe);
+    exr_encoding_destroy(j->file, &pipe);
     return ok;
 }
 
-bool encode_exr(struct buf *out, const struct encode_exr *p, struct error *err)
+static bool check(const struct encode_exr *p, struct error *err)
 {
     if (p->layer_count < 1 || p->layer_count > LAYERS_MAX)
         return error_set(err, "limit", "exr",
                          "EXR: %d layers are not within [1, %d]",
                          p->layer_count, LAYERS_MAX);
-    struct channel list[CHANNELS_MAX];
-    float *scratch[LAYERS_MAX] = {0};
-    const size_t before = out->size;
-    int channels = list_channels(p, list);
-    // a ZIP chunk is 16 rows
-    for (int l = 0; p->half && l < p->layer_count; l++)
-        scratch[l] = bytes_alloc(16 * 16 * (size_t)p->width);
+    if (p->width < 1 || p->height < 1 || p->width > SIDE_MAX ||
+        p->height > SIDE_MAX)
+        return error_set(err, "limit", "exr",
+                         "EXR: %d x %d pixels: a side is not within [1, %d]",
+                         p->width, p->height, SIDE_MAX);
+    return true;
+}
+
+bool encode_exr(struct buf *out, const struct encode_exr *p, struct error *err)
+{
+    if (!check(p, err))
+        return false;
     struct error why = {0};
-    struct sink sink = {out, before, &why};
+    struct sink sink = {out, out->size, &why};
     exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
     how.user_data = &sink;
     how.write_fn = write_at;
     how.error_handler_fn = on_error;
-    exr_context_t file = NULL;
-    bool ok = exr_start_write(&file, "memory", EXR_WRITE_FILE_DIRECTLY,
-                              &how) == EXR_ERR_SUCCESS &&
-              header(file, p, list, channels) &&
-              chunks(file, p, list, scratch);
-    ok = exr_finish(&file) == EXR_ERR_SUCCESS && ok;
+    struct job j = {.picture = p};
+    j.channels = list_channels(p, j.list);
+    bool ok = good(exr_start_write(&j.file, "memory", EXR_WRITE_FILE_DIRECTLY,
+                                   &how)) &&
+              header(&j) && chunks(&j);
+    ok = good(exr_finish(&j.file)) && ok;
     for (int l = 0; l < p->layer_count; l++)
-        free(scratch[l]);
+        free(j.clamped[l]);
     if (ok)
         return true;
-    out->size = before;
+    out->size = sink.base;
     if (!why.text[0])
         error_set(&why, "encode", "exr", "EXR: cannot encode %d x %d pixels",
                   p->width, p->height);

@@ -29,10 +29,10 @@ static void depths(const struct leaf *leaf, int n, int *depth)
     for (; made < 2 * n - 1; made++) {
         weight[made] = 0;
         for (int k = 0; k < 2; k++) {
-            int take = leaves < n && (inner == made ||
-                                      weight[leaves] <= weight[inner])
-                           ? leaves++
-                           : inner++;
+            int take =
+                leaves < n && (inner == made || weight[leaves] <= weight[inner])
+                    ? leaves++
+                    : inner++;
             weight[made] += weight[take];
             parent[take] = made;
         }

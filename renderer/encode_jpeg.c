@@ -41,26 +41,34 @@ static void append_quant(struct buf *out, const unsigned char quant[2][64])
     }
 }
 
+static void put16(struct buf *out, int v)
+{
+    buf_byte(out, (unsigned char)(v >> 8));
+    buf_byte(out, (unsigned char)v);
+}
+
 static void append_head(struct buf *out, int width, int height,
                         const unsigned char quant[2][64],
                         enum encode_chroma chroma)
 {
-    static const unsigned char jfif[] = {
-        0xff, 0xd8, // start of image
-        0xff, 0xe0, 0, 16, 'J', 'F', 'I', 'F', 0,
-        1, 2, 0, 0, 1, 0, 1, 0, 0}; // version 1.02, square pixels, no thumbnail
+    // Start of image; JFIF 1.02, square pixels, no thumbnail.
+    static const unsigned char jfif[] = {0xff, 0xd8, 0xff, 0xe0, 0, 16, 'J',
+                                         'F',  'I',  'F',  0,    1, 2,  0,
+                                         0,    1,    0,    1,    0, 0};
+    static const unsigned char frame[] = {0xff, 0xc0, 0, 17, 8}; // baseline
+    const unsigned char luma = chroma == ENCODE_420 ? 0x22 : 0x11;
+    // of each component: number, blocks across and down, quantiser
+    const unsigned char components[] = {3, 1, luma, 0, 2, 0x11, 1, 3, 0x11, 1};
+    // of each: number, tables of DC and AC; then the whole spectrum
+    static const unsigned char scan[] = {0xff, 0xda, 0, 12,   3, 1,  0,
+                                         2,    0x11, 3, 0x11, 0, 63, 0};
     buf_append(out, jfif, sizeof jfif);
     append_quant(out, quant);
-    const unsigned char frame[] = {
-        0xff, 0xc0, 0, 17, 8, // baseline, 8 bits
-        (unsigned char)(height >> 8), (unsigned char)height,
-        (unsigned char)(width >> 8), (unsigned char)width,
-        3, 1, chroma == ENCODE_420 ? 0x22 : 0x11, 0,
-        2, 0x11, 1, 3, 0x11, 1};
     buf_append(out, frame, sizeof frame);
+    put16(out, height);
+    put16(out, width);
+    buf_append(out, components, sizeof components);
     encode_jpeg_huff_tables(out);
-    static const unsigned char scan[] = {0xff, 0xda, 0, 12, 3, 1, 0, 2,
-                                         0x11, 3,    0x11, 0, 63, 0};
     buf_append(out, scan, sizeof scan);
 }
 

@@ -23,16 +23,18 @@ typedef uint32_t v8u __attribute__((vector_size(32)));
 #endif
 #endif
 #ifndef SHUFFLE // gcc before 12
-#define PICK(a, b, i) ((i) < 8 ? (a)[(i) & 7] : (b)[(i) & 7])
-#define SHUFFLE(a, b, i, j, k, l, m, n, o, p)                                  \
-    {PICK(a, b, i), PICK(a, b, j), PICK(a, b, k), PICK(a, b, l),               \
-     PICK(a, b, m), PICK(a, b, n), PICK(a, b, o), PICK(a, b, p)}
+#define PICK(a, b, i) ((i) < 8 ? (a)[(i)&7] : (b)[(i)&7])
+#define SHUFFLE(a, b, i, j, k, l, m, n, o, p) \
+    { \
+        PICK(a, b, i), PICK(a, b, j), PICK(a, b, k), PICK(a, b, l), \
+            PICK(a, b, m), PICK(a, b, n), PICK(a, b, o), PICK(a, b, p) \
+    }
 #endif
 
-// Full-range BT.601 (JFIF 1.02): Y, Cb, Cr rows of weights for R, G, B.
-#define YCC_Y {0.299f, 0.587f, 0.114f}
-#define YCC_CB {-0.168735892f, -0.331264108f, 0.5f}
-#define YCC_CR {0.5f, -0.418687589f, -0.081312411f}
+// Full-range BT.601 (JFIF 1.02): weights of R, G, B.
+static const float to_y[3] = {0.299f, 0.587f, 0.114f};
+static const float to_cb[3] = {-0.168735892f, -0.331264108f, 0.5f};
+static const float to_cr[3] = {0.5f, -0.418687589f, -0.081312411f};
 
 struct rgb8 {
     v8f r, g, b;
@@ -176,9 +178,9 @@ INLINE void mcu_444(struct encode_jpeg_mcu *mcu,
     for (int row = 0; row < 8; row++) {
         struct rgb8 c;
         split_pixels(&c, rgba + (size_t)row * stride);
-        mix(&y[row], &c, (const float[])YCC_Y, -128);
-        mix(&cb[row], &c, (const float[])YCC_CB, 0);
-        mix(&cr[row], &c, (const float[])YCC_CR, 0);
+        mix(&y[row], &c, to_y, -128);
+        mix(&cb[row], &c, to_cb, 0);
+        mix(&cr[row], &c, to_cr, 0);
     }
     finish_block(mcu, 0, y, dct->scale[0]);
     finish_block(mcu, 1, cb, dct->scale[1]);
@@ -196,14 +198,14 @@ INLINE void mcu_420(struct encode_jpeg_mcu *mcu,
             rgba + (size_t)(block >> 1) * 8 * stride + (block & 1) * 32;
         for (int row = 0; row < 8; row++) {
             split_pixels(&c, at + (size_t)row * stride);
-            mix(&b[row], &c, (const float[])YCC_Y, -128);
+            mix(&b[row], &c, to_y, -128);
         }
         finish_block(mcu, block, b, dct->scale[0]);
     }
     for (int row = 0; row < 8; row++) { // a quarter: the mean of 2x2 pixels
         sum_quads(&c, rgba + (size_t)row * 2 * stride, stride);
-        mix(&b[row], &c, (const float[])YCC_CB, 0);
-        mix(&cr[row], &c, (const float[])YCC_CR, 0);
+        mix(&b[row], &c, to_cb, 0);
+        mix(&cr[row], &c, to_cr, 0);
         b[row] *= 0.25f;
         cr[row] *= 0.25f;
     }
@@ -211,18 +213,18 @@ INLINE void mcu_420(struct encode_jpeg_mcu *mcu,
     finish_block(mcu, 5, cr, dct->scale[1]);
 }
 
-#define BUILDS(suffix, attribute)                                              \
-    attribute static void run_444_##suffix(                                    \
-        struct encode_jpeg_mcu *m, const struct encode_jpeg_dct *d,            \
-        const unsigned char *p, size_t s)                                      \
-    {                                                                          \
-        mcu_444(m, d, p, s);                                                   \
-    }                                                                          \
-    attribute static void run_420_##suffix(                                    \
-        struct encode_jpeg_mcu *m, const struct encode_jpeg_dct *d,            \
-        const unsigned char *p, size_t s)                                      \
-    {                                                                          \
-        mcu_420(m, d, p, s);                                                   \
+#define BUILDS(suffix, attribute) \
+    attribute static void run_444_##suffix(struct encode_jpeg_mcu *m, \
+                                           const struct encode_jpeg_dct *d, \
+                                           const unsigned char *p, size_t s) \
+    { \
+        mcu_444(m, d, p, s); \
+    } \
+    attribute static void run_420_##suffix(struct encode_jpeg_mcu *m, \
+                                           const struct encode_jpeg_dct *d, \
+                                           const unsigned char *p, size_t s) \
+    { \
+        mcu_420(m, d, p, s); \
     }
 BUILDS(plain, )
 #if defined(__x86_64__)

@@ -71,8 +71,7 @@ static void make_codes(uint32_t *codes, const struct table *t)
     for (int length = 1; length <= 16; length++, code <<= 1)
         for (int i = 0; i < t->counts[length - 1]; i++, code++, symbol++) {
             uint32_t extra = *symbol & 15;
-            codes[*symbol] =
-                (code << extra) << 5 | ((uint32_t)length + extra);
+            codes[*symbol] = (code << extra) << 5 | ((uint32_t)length + extra);
         }
 }
 

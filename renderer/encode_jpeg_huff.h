@@ -31,8 +31,7 @@ void encode_jpeg_huff_tables(struct buf *out);
 // `at`, where ENCODE_JPEG_HUFF_BLOCK bytes are free; returns the new end.
 unsigned char *encode_jpeg_huff_block(struct encode_jpeg_huff *h,
                                       unsigned char *at, int component,
-                                      const int32_t coef[64],
-                                      uint64_t nonzero);
+                                      const int32_t coef[64], uint64_t nonzero);
 
 // Pads the last byte with ones.
 unsigned char *encode_jpeg_huff_end(struct encode_jpeg_huff *h,
