@@ -19,7 +19,6 @@ enum {
 struct sink { // the file, written at any offset
     struct buf *out;
     size_t base;
-    struct error *err;
 };
 
 static int64_t write_at(exr_const_context_t context, void *user,
@@ -37,16 +36,16 @@ static int64_t write_at(exr_const_context_t context, void *user,
     return (int64_t)size;
 }
 
+// Where this thread's call keeps the reason.  The library reports errors while
+// it holds its lock, so that asking it for the user data would wait for ever.
+static _Thread_local struct error *reason;
+
 static void on_error(exr_const_context_t context, exr_result_t code,
                      const char *message)
 {
-    (void)code;
-    void *user = NULL;
-    if (exr_get_user_data(context, &user) != EXR_ERR_SUCCESS || !user)
-        return;
-    struct sink *s = user;
-    if (!s->err->text[0]) // the first one is the cause
-        error_set(s->err, "encode", "exr", "EXR: %s", message);
+    (void)context, (void)code;
+    if (reason && !reason->text[0]) // the first one is the cause
+        error_set(reason, "encode", "exr", "EXR: %s", message);
 }
 
 struct channel {
@@ -77,8 +76,7 @@ static int list_channels(const struct encode_exr *p, struct channel *list)
     return n;
 }
 
-// --- writing
-// -------------------------------------------------------------------
+// --- writing -----------------------------------------------------------------
 
 struct job {
     exr_context_t file;
@@ -195,17 +193,19 @@ bool encode_exr(struct buf *out, const struct encode_exr *p, struct error *err)
     if (!check(p, err))
         return false;
     struct error why = {0};
-    struct sink sink = {out, out->size, &why};
+    struct sink sink = {out, out->size};
     exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
     how.user_data = &sink;
     how.write_fn = write_at;
     how.error_handler_fn = on_error;
     struct job j = {.picture = p};
     j.channels = list_channels(p, j.list);
+    reason = &why;
     bool ok = good(exr_start_write(&j.file, "memory", EXR_WRITE_FILE_DIRECTLY,
                                    &how)) &&
               header(&j) && chunks(&j);
     ok = good(exr_finish(&j.file)) && ok;
+    reason = NULL;
     for (int l = 0; l < p->layer_count; l++)
         free(j.clamped[l]);
     if (ok)

@@ -1,7 +1,9 @@
-// encode_huffman.c - lengths by the two-queue method on sorted counts, then
-// shortened to the limit by moving leaves, then canonical codes.
+// encode_huffman.c - lengths by the two-queue method on sorted counts, or,
+// where a code would be too long, by packages; then canonical codes.
 #include "renderer/encode_huffman.h"
 
+#include <assert.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,34 +47,36 @@ static void depths(const struct leaf *leaf, int n, int *depth)
         depth[i] = deep[i];
 }
 
-// Cuts depths to `longest` and mends the Kraft sum to exactly one: while it is
-// too large, the deepest leaf above the limit goes one level down.
-static void limit(int *depth, int n, int longest)
+// The best depths of which none exceeds `longest`, by packages (Larmore and
+// Hirschberg 1990): at each level two neighbours of the level below are bound
+// together and sorted in among the leaves.  The 2n - 2 lightest of the top
+// level are taken; those are leaves, and packages, whose contents are taken
+// below.  Slower than depths(), and rarely needed.
+static void limit(const struct leaf *leaf, int n, int longest, int *depth)
 {
-    int64_t sum = 0, full = (int64_t)1 << longest;
-    for (int i = 0; i < n; i++) {
-        if (depth[i] > longest)
-            depth[i] = longest;
-        sum += full >> depth[i];
+    uint64_t weight[2][2 * ENCODE_HUFFMAN_MAX];
+    bool package[16][2 * ENCODE_HUFFMAN_MAX];
+    int size = 0;
+    for (int level = 0; level < longest; level++) {
+        const uint64_t *below = weight[level & 1];
+        uint64_t *here = weight[~level & 1];
+        int pairs = size / 2, p = 0, next = 0;
+        for (size = 0; size < n + pairs; size++) {
+            uint64_t both = p < pairs ? below[2 * p] + below[2 * p + 1] : 0;
+            package[level][size] =
+                next == n || (p < pairs && both < leaf[next].use);
+            here[size] = package[level][size] ? both : leaf[next].use;
+            package[level][size] ? p++ : next++;
+        }
     }
-    // rarest first: they are the cheapest to lengthen
-    while (sum > full)
-        for (int level = longest - 1; level > 0 && sum > full; level--) {
-            int i = 0;
-            while (i < n && depth[i] != level)
-                i++;
-            if (i == n)
-                continue;
-            depth[i]++;
-            sum -= full >> depth[i];
-            break;
-        }
-    // a step may have gone too far: give what is free to the commonest
-    for (int i = n - 1; i >= 0 && sum < full; i--)
-        if (depth[i] == longest) {
-            depth[i]--;
-            sum++;
-        }
+    memset(depth, 0, (size_t)n * sizeof *depth);
+    for (int level = longest - 1, take = 2 * n - 2; level >= 0; level--) {
+        int next = 0;
+        for (int i = 0; i < take; i++)
+            if (!package[level][i])
+                depth[next++]++;
+        take = 2 * (take - next);
+    }
 }
 
 static uint16_t reversed(uint32_t code, int length)
@@ -87,7 +91,9 @@ void encode_huffman_build(struct encode_huffman *h, const uint32_t *use,
                           int count, int longest)
 {
     struct leaf leaf[ENCODE_HUFFMAN_MAX];
-    int depth[ENCODE_HUFFMAN_MAX], n = 0;
+    int depth[ENCODE_HUFFMAN_MAX] = {0}, n = 0;
+    assert(count >= 2 && count <= ENCODE_HUFFMAN_MAX);
+    assert(longest <= 15 && 1 << longest >= count);
     memset(h, 0, sizeof *h);
     for (int s = 0; s < count; s++)
         if (use[s] > 0)
@@ -97,7 +103,8 @@ void encode_huffman_build(struct encode_huffman *h, const uint32_t *use,
             leaf[n++] = (struct leaf){0, s};
     qsort(leaf, (size_t)n, sizeof *leaf, by_use);
     depths(leaf, n, depth);
-    limit(depth, n, longest);
+    if (depth[0] > longest) // the rarest is the deepest
+        limit(leaf, n, longest, depth);
     uint32_t per_length[16] = {0}, next[16] = {0};
     for (int i = 0; i < n; i++) {
         h->length[leaf[i].symbol] = (uint8_t)depth[i];

@@ -13,8 +13,10 @@ struct encode_huffman {
     uint8_t length[ENCODE_HUFFMAN_MAX]; // 0: the symbol is not used
 };
 
-// use: how often each of `count` symbols occurs.  At least one code is made;
-// where only one symbol is used, a second one keeps the code complete.
+// use: how often each of `count` symbols (2..ENCODE_HUFFMAN_MAX) occurs.  The
+// code is the shortest of those with no length above `longest` (at most 15, and
+// 2^longest >= count), and it is complete: where fewer than two symbols are
+// used, others get a code as well.
 void encode_huffman_build(struct encode_huffman *h, const uint32_t *use,
                           int count, int longest);
 

@@ -10,7 +10,7 @@
 #include <time.h>
 
 #include "renderer/encode.h"
-#include "tests/unit/test_encode_picture.h"
+#include "tests/unit/encode_picture.h"
 
 enum { RUNS_MAX = 1000 };
 

@@ -1,7 +1,7 @@
-// test_encode_picture.h - pictures for the encoders' tests and bench: strands
+// encode_picture.h - pictures for the encoders' tests and bench: strands
 // of hair drawn as soft lines, noise, ramps.  Same arguments, same pixels.
-#ifndef TESTS_UNIT_TEST_ENCODE_PICTURE_H
-#define TESTS_UNIT_TEST_ENCODE_PICTURE_H
+#ifndef TESTS_UNIT_ENCODE_PICTURE_H
+#define TESTS_UNIT_ENCODE_PICTURE_H
 
 #include <math.h>
 #include <stdint.h>
