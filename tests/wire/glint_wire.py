@@ -1,5 +1,6 @@
 """A small client of glintd, written from protocol/PROTOCOL.md, and what the
 tests beside it share: starting a daemon, a tiny groom, counting cases."""
+import atexit
 import base64
 import json
 import os
@@ -277,6 +278,7 @@ class Daemon:
                    "--set", "sky.lights=4"] + list(options)
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE,
                                         stderr=stderr)
+        atexit.register(self.kill)  # a failed case leaves no daemon behind
         line = self.line()
         if not line.startswith("listening http://"):
             err = (self.process.stderr.read().decode()
@@ -294,6 +296,11 @@ class Daemon:
 
     def connect(self, **options):
         return Line(self.address, **options)
+
+    def kill(self):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
 
     def stop(self, how=signal.SIGTERM):
         """Its exit status and what it said on stderr."""
