@@ -9,8 +9,8 @@
 #include "renderer/encode.h"
 #include "renderer/encode_jpeg_dct.h"
 #include "tests/check.h"
-#include "tests/unit/test_encode_jpeg_decoder.h"
-#include "tests/unit/test_encode_picture.h"
+#include "tests/unit/encode_jpeg_decoder.h"
+#include "tests/unit/encode_picture.h"
 
 struct picture {
     int width, height;

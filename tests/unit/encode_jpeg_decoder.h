@@ -1,10 +1,10 @@
-// test_encode_jpeg_decoder.h - a baseline JPEG decoder in double precision,
+// encode_jpeg_decoder.h - a baseline JPEG decoder in double precision,
 // written from ISO/IEC 10918-1 (T.81) and apart from the encoder.  It is
 // strict: what a baseline stream may not hold makes it fail, with the reason in
 // `why`. It counts what the stream uses, so that a test can tell what it
 // exercised.
-#ifndef TESTS_UNIT_TEST_ENCODE_JPEG_DECODER_H
-#define TESTS_UNIT_TEST_ENCODE_JPEG_DECODER_H
+#ifndef TESTS_UNIT_ENCODE_JPEG_DECODER_H
+#define TESTS_UNIT_ENCODE_JPEG_DECODER_H
 
 #include <stdbool.h>
 #include <stdint.h>
