@@ -47,8 +47,9 @@ struct encode_exr {
 };
 
 // Single-part scan-line EXR, ZIP compression.  Fails, and leaves *out as it
-// was, when there are not 1..32 layers, a side is not 1..16384, two channels or
-// a channel and an attribute collide, or a name is empty or longer than 31.
+// was, when there are not 1..32 layers, a side is not 1..16384, two channels
+// have one name, a key is that of one of the format's own attributes, or a key
+// or a channel's name is empty or longer than 31 bytes.
 bool encode_exr(struct buf *out, const struct encode_exr *picture,
                 struct error *err);
 

@@ -85,6 +85,7 @@ struct job {
     int channels;
     int chunk;                  // rows in one
     float *clamped[LAYERS_MAX]; // of a chunk; NULL for floats
+    exr_result_t (*compress)(exr_encode_pipeline_t *); // the library's own
 };
 
 static bool good(exr_result_t result) // on_error has kept the reason
@@ -154,6 +155,30 @@ static void point_at(exr_encode_pipeline_t *pipe, struct job *j, int y)
     }
 }
 
+// A chunk as long as its pixels is taken by every reader for one that was left
+// uncompressed.  The library does leave it so when zlib makes it longer, but
+// not when it comes out equal (mended in 2026, OpenEXR's issue 2306): such a
+// chunk would be read as garbage.
+static exr_result_t compress(exr_encode_pipeline_t *pipe)
+{
+    const struct job *j = pipe->encoding_user_data;
+    exr_result_t result = j->compress(pipe);
+    if (good(result) && pipe->compressed_bytes == pipe->packed_bytes)
+        memcpy(pipe->compressed_buffer, pipe->packed_buffer,
+               pipe->packed_bytes);
+    return result;
+}
+
+static bool choose(struct job *j, exr_encode_pipeline_t *pipe)
+{
+    if (!good(exr_encoding_choose_default_routines(j->file, 0, pipe)))
+        return false;
+    j->compress = pipe->compress_fn;
+    pipe->compress_fn = compress;
+    pipe->encoding_user_data = j;
+    return true;
+}
+
 static bool chunks(struct job *j)
 {
     exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
@@ -167,7 +192,7 @@ static bool chunks(struct job *j)
             break;
         point_at(&pipe, j, y);
         if (y == 0)
-            ok = good(exr_encoding_choose_default_routines(j->file, 0, &pipe));
+            ok = choose(j, &pipe);
         ok = ok && good(exr_encoding_run(j->file, 0, &pipe));
     }
     exr_encoding_destroy(j->file, &pipe);
