@@ -138,6 +138,9 @@ static float *random_bits(size_t n, uint64_t seed)
         uint32_t r = picture_random(&random);
         if (i % 3 == 0) // most of the rest are far out of a half's range
             r = (r & 0x80ffffff) | (0x66 + (r >> 24 & 31)) << 23;
+        if (i % 7 == 6) // half-way between two halves, or one bit beside it
+            r = (r & 0x807fe000) | (100 + (r >> 24) % 45) << 23 |
+                (0x1000 + r % 3 - 1);
         bits[i] = i % 5 == 4 ? special[r % SPECIALS] : r;
     }
     return (float *)(void *)bits;
@@ -197,8 +200,9 @@ static bool encode(struct buf *out, const struct encode_exr *e)
 static void test_bits(bool half)
 {
     // below, at and above the 16 rows of a chunk
-    static const int sizes[][2] = {{1, 1},  {7, 5},   {16, 16}, {3, 15},
-                                   {5, 17}, {33, 50}, {900, 3}, {2, 200}};
+    static const int sizes[][2] = {{1, 1},   {7, 5},   {16, 16},
+                                   {3, 15},  {5, 17},  {33, 50},
+                                   {900, 3}, {2, 200}, {8192, 2}};
     check_case(half ? "exr: halves are nearest, clamped; NaN stays"
                     : "exr: floats are bit for bit");
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
@@ -309,14 +313,17 @@ static void test_many_layers(void)
 }
 
 static const char *const text[] = {
-    "camera.fov", "30", "empty", "", "hair", "tr\xc3\xa4ne, \"x\"\n", NULL};
+    "camera.fov", "30", "empty", "", "hair", "tr\xc3\xa4ne, \"x\"\n",
+    "twice",      "b",  NULL};
 
 static void test_header(void)
 {
     enum { W = 9, H = 33 };
     float *rgba = random_bits(4 * W * H, 8);
     struct encode_layer layer = {"", rgba, true};
-    struct encode_exr e = {W, H, true, &layer, 1, text};
+    const char *more[12] = {"twice", "a"}; // the later one counts
+    memcpy(more + 2, text, sizeof text);
+    struct encode_exr e = {W, H, true, &layer, 1, more};
     struct buf out = {0}, again = {0};
     struct reader r;
     check_case("exr: header, attributes; same bytes each time");
@@ -329,6 +336,9 @@ static void test_header(void)
     exr_compression_t compression;
     exr_lineorder_t order;
     exr_attr_box2i_t d;
+    float aspect = 0;
+    CHECK(good(exr_get_pixel_aspect_ratio(r.file, 0, &aspect)));
+    CHECK_NEAR(aspect, 1, 0); // stored, not computed
     CHECK(good(exr_get_count(r.file, &parts)) && parts == 1);
     CHECK(good(exr_get_storage(r.file, 0, &storage)) &&
           storage == EXR_STORAGE_SCANLINE);
@@ -419,6 +429,7 @@ static void refuse(const char *what, const struct encode_exr *e,
     struct error err = {0};
     buf_text(&out, "before");
     bool ok = encode_exr(&out, e, &err);
+    CHECK_STR(err.name, "exr");
     if (!CHECK(!ok && strstr(err.text, word) && err.code[0] &&
                !strchr(err.text, '\n')))
         printf("  %s: %s \"%s\"\n", what, err.code, err.text);
