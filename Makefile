@@ -128,10 +128,20 @@ tests-built: floors $(B)/glintd $(B)/glint $(CTEST_BINS)
 # Timings; not part of the tests.  make bench-stages ARGS="animation straight"
 BENCHES := $(patsubst tests/bench/%.c,$(B)/tests/bench/%,\
 	$(wildcard tests/bench/bench_*.c))
-.PHONY: bench-stages
+.PHONY: bench-stages bench-encode
 bench-stages: deps
 	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_stages
 	@$(B)/tests/bench/bench_stages $(ARGS)
+
+# Pages of the docs that the programs write themselves.
+.PHONY: docs
+docs: all
+	@{ printf '# Parameters\n\nMade by `make docs` from protocol/params.def. '; \
+	    printf 'Set one with `glint set GROUP.NAME=VALUE`.\n\n'; \
+	    $(B)/glint get --markdown; } > docs/PARAMETERS.md
+bench-encode: deps
+	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_encode
+	@$(B)/tests/bench/bench_encode $(ARGS)
 
 # --- house rules ------------------------------------------------------------
 # Includes point down only: tests -> server -> renderer -> protocol.

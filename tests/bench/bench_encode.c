@@ -1,5 +1,5 @@
 // bench_encode.c - milliseconds and bytes of a picture in each format.
-//   bench_encode [--runs N] [WIDTH HEIGHT FILE]
+//   bench_encode [--runs N] [WIDTH HEIGHT FILE]   (make bench-encode ARGS=)
 // The picture is the drawn hair of the unit tests at 720x480, or FILE: packed
 // RGBA bytes.  One JSON line for each format: minimum and median over N runs
 // (default 30) after two to warm up.  Compare ratios: machines differ.

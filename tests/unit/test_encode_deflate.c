@@ -263,6 +263,32 @@ static void test_longest_codes(void)
     free(b);
 }
 
+// Forty symbols that occur once, behind others so frequent that the code's
+// limit is reached: forty codes of about 15 bits in a row, at every alignment.
+static void test_rare_literals(void)
+{
+    struct encode_block *b = bytes_alloc(sizeof *b);
+    struct buf out = {0}, want = {0};
+    struct inflate z;
+    double often = 25;
+    check_case("block: forty of the longest literals in a row");
+    buf_append(&out, (const unsigned char[]){0x78, 0x5e}, 2);
+    encode_block_init(b, &out);
+    for (int s = 200; s < 212; s++, often *= 1.618)
+        for (int i = 0; i < (int)often; i++)
+            buf_byte(&want, (unsigned char)s);
+    for (int s = 0; s < 40; s++)
+        buf_byte(&want, (unsigned char)(5 * s));
+    for (size_t i = 0; i < want.size; i++)
+        encode_block_add(b, want.data[i]);
+    encode_block_end(b, true);
+    CHECK(inflate_blocks(&z, &out, &want));
+    CHECK(z.longest == 15 && z.blocks == 1);
+    buf_finish(&out);
+    buf_finish(&want);
+    free(b);
+}
+
 static void copy(struct buf *to, int length, int distance)
 {
     for (int i = 0; i < length; i++)
@@ -307,6 +333,56 @@ static void test_every_match(void)
     free(b);
 }
 
+// Tokens of up to 48 bits, which is all there is room for, at every alignment:
+// what is rare here has also the most extra bits.  Rank r is drawn 0.618 times
+// as often as r - 1, so that the codes become as unequal as Fibonacci's numbers
+// make them.
+static void add_ranked(struct encode_block *b, struct buf *want,
+                       uint64_t *random)
+{
+    static const int lengths[18] = {3,  4,  5,  6,  7,  8,   9,   10,  11,
+                                    13, 15, 17, 19, 23, 150, 190, 220, 257};
+    int rank = 0;
+    while (rank < 17 && picture_uniform(random) < 0.618f)
+        rank++;
+    if (picture_random(random) % 2) {
+        encode_block_add(b, (uint32_t)rank);
+        buf_byte(want, (unsigned char)rank);
+        return;
+    }
+    uint32_t extra = picture_random(random) & 4095; // of the last four codes
+    int distance =
+        rank < 14 ? 1 << rank % 13 : 8193 + (int)extra + (rank - 14) * 6000;
+    encode_block_match(b, lengths[rank], distance);
+    copy(want, lengths[rank], distance);
+}
+
+static void test_longest_tokens(void)
+{
+    struct encode_block *b = bytes_alloc(sizeof *b);
+    check_case("block: the longest tokens, one after another");
+    for (uint64_t seed = 1; seed <= 8; seed++) {
+        struct buf out = {0}, want = {0};
+        struct inflate z;
+        uint64_t random = seed;
+        buf_append(&out, (const unsigned char[]){0x78, 0x5e}, 2);
+        encode_block_init(b, &out);
+        for (int i = 0; i < 32768; i++) {
+            unsigned char c = (unsigned char)picture_random(&random);
+            encode_block_add(b, c);
+            buf_byte(&want, c);
+        }
+        for (int i = 0; i < 3 * ENCODE_BLOCK_TOKENS; i++)
+            add_ranked(b, &want, &random);
+        encode_block_end(b, true);
+        CHECK(inflate_blocks(&z, &out, &want));
+        CHECK(z.longest >= 14);
+        buf_finish(&out);
+        buf_finish(&want);
+    }
+    free(b);
+}
+
 int main(void)
 {
     unsigned char *data = bytes_alloc(BIG);
@@ -315,7 +391,9 @@ int main(void)
     test_sizes(data);
     test_periods(data);
     test_longest_codes();
+    test_rare_literals();
     test_every_match();
+    test_longest_tokens();
     free(data);
     return check_end();
 }

@@ -177,6 +177,8 @@ static void check_picture(const unsigned char *rgba, int width, int height,
     }
 }
 
+enum { KINDS = 6 };
+
 // Each kind of picture favours other filters.
 static void fill(unsigned char *rgba, int width, int height, int kind)
 {
@@ -186,9 +188,12 @@ static void fill(unsigned char *rgba, int width, int height, int kind)
             for (int c = 0; c < 4; c++) {
                 unsigned r = picture_random(&random) >> 8;
                 int edge = x * 3 > y * 5 ? 90 : 7; // planes with an edge
-                int v[5] = {(int)(r & 255), x * 2 + y * 3 + c * 40,
-                            edge + (int)(r & 3) + x, (int)(r & 1) * 255,
-                            (x * 7 + (int)(r & 31)) ^ (y << 3)};
+                int v[KINDS] = {(int)(r & 255),
+                                x * 2 + y * 3 + c * 40,
+                                edge + (int)(r & 3) + x,
+                                (int)(r & 1) * 255,
+                                (x * 7 + (int)(r & 31)) ^ (y << 3),
+                                98 + (int)(r % 61)}; // large sums
                 rgba[4 * ((size_t)y * (size_t)width + (size_t)x) + (size_t)c] =
                     (unsigned char)v[kind];
             }
@@ -204,7 +209,7 @@ static void test_pictures(void)
     unsigned char *rgba = bytes_alloc(4 * 720 * 480);
     check_case("png: sizes and kinds of pictures, RGB and RGBA");
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
-        for (int kind = 0; kind < 5; kind++) {
+        for (int kind = 0; kind < KINDS; kind++) {
             // at the end of its block: what lies beyond must not be read
             int w = sizes[i][0], h = sizes[i][1];
             unsigned char *exact = bytes_alloc(4 * (size_t)w * (size_t)h);
