@@ -48,6 +48,8 @@
     F(PROGRAMUNIFORM2F, ProgramUniform2f)                                      \
     F(PROGRAMUNIFORM3F, ProgramUniform3f)                                      \
     F(PROGRAMUNIFORM4F, ProgramUniform4f)                                      \
+    F(PROGRAMUNIFORM2UI, ProgramUniform2ui)                                    \
+    F(PROGRAMUNIFORM3UI, ProgramUniform3ui)                                    \
     F(CREATEBUFFERS, CreateBuffers)                                            \
     F(NAMEDBUFFERSTORAGE, NamedBufferStorage)                                  \
     F(NAMEDBUFFERSUBDATA, NamedBufferSubData)                                  \
@@ -62,6 +64,9 @@
     F(CREATETEXTURES, CreateTextures)                                          \
     F(TEXTURESTORAGE2D, TextureStorage2D)                                      \
     F(TEXTURESUBIMAGE2D, TextureSubImage2D)                                    \
+    F(TEXTURESTORAGE3D, TextureStorage3D)                                      \
+    F(TEXTUREBUFFER, TextureBuffer)                                            \
+    F(TEXTURESUBIMAGE3D, TextureSubImage3D)                                    \
     F(TEXTUREPARAMETERI, TextureParameteri)                                    \
     F(GETTEXTUREIMAGE, GetTextureImage)                                        \
     F(GETTEXTURESUBIMAGE, GetTextureSubImage)                                  \

@@ -10,7 +10,7 @@ struct light_std140 {
     float place[4], radiance[4];
 };
 struct block_std140 {
-    struct light_std140 light[SKY_LIGHTS_MAX];
+    struct light_std140 light[LIGHTS_MAX];
     uint32_t count, pad[3];
 };
 
@@ -36,14 +36,36 @@ static void rotation(const struct params *p, double m[9])
     double cz = cos(p->light.yaw * rad), sz = sin(p->light.yaw * rad);
     double cx = cos(p->light.pitch * rad), sx = sin(p->light.pitch * rad);
     double cy = cos(p->light.roll * rad), sy = sin(p->light.roll * rad);
-    const double xy[9] = {cy,      0,  sy,       // Rx(pitch) Ry(roll)
-                          sx * sy, cx, -sx * cy, //
+    const double xy[9] = {cy,       0,  sy, // Rx(pitch) Ry(roll)
+                          sx * sy,  cx, -sx * cy,
                           -cx * sy, sx, cx * cy};
     for (int c = 0; c < 3; c++) {
         m[c] = cz * xy[c] - sz * xy[3 + c];
         m[3 + c] = sz * xy[c] + cz * xy[3 + c];
         m[6 + c] = xy[6 + c];
     }
+}
+
+struct sun { // the three groups have the same rows
+    double strength, colour[3], azimuth, elevation;
+};
+
+#define SUN(s)                                                                 \
+    {(s).strength,                                                             \
+     {(s).colour[0], (s).colour[1], (s).colour[2]},                            \
+     (s).azimuth * M_PI / 180,                                                 \
+     (s).elevation * M_PI / 180}
+
+// Those that shine, in order.
+static int suns_of(const struct params *p, struct sun out[LIGHTS_SUNS])
+{
+    const struct sun all[LIGHTS_SUNS] = {SUN(p->sun1), SUN(p->sun2),
+                                         SUN(p->sun3)};
+    int n = 0;
+    for (int i = 0; i < LIGHTS_SUNS; i++)
+        if (all[i].strength > 0)
+            out[n++] = all[i];
+    return n;
 }
 
 static double power_of(const struct sky_light *s)
@@ -53,42 +75,79 @@ static double power_of(const struct sky_light *s)
 }
 
 // Lights come by falling energy: the tail is what may be dropped.
-static int count_needed(const struct sky_fit *fit, double bound, double *share)
+static int count_needed(const struct sky_fit *fit, double bound, int most,
+                        double *share)
 {
     double total = 0, tail = 0;
     for (int j = 0; j < fit->count; j++)
         total += power_of(&fit->light[j]);
     int n = fit->count;
-    while (n > 1 && tail + power_of(&fit->light[n - 1]) <= bound * total)
+    while (n > most ||
+           (n > 1 && tail + power_of(&fit->light[n - 1]) <= bound * total))
         tail += power_of(&fit->light[--n]);
     *share = total > 0 ? tail / total : 0;
     return n;
 }
 
-void lights_update(struct lights *l, const struct sky_fit *fit,
-                   const struct params *p)
+bool lights_put(struct lights *l, const struct sky_fit *fit,
+                const struct params *p)
 {
-    struct block_std140 block = {0};
-    double m[9], gain = exp2(p->tint.exposure);
+    struct lights_place place[LIGHTS_MAX];
+    struct sun sun[LIGHTS_SUNS];
+    double m[9];
+    memset(place, 0, sizeof place); // compared as bytes below
     rotation(p, m);
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 3; c++)
             l->to_map[3 * r + c] = (float)m[3 * c + r];
+    int suns = suns_of(p, sun);
+    int sky = count_needed(fit, p->quality.light_bound, LIGHTS_MAX - suns,
+                           &l->dropped_share);
+    for (int j = 0; j < sky; j++) {
+        const double *d = fit->light[j].direction;
+        for (int r = 0; r < 3; r++)
+            place[j].direction[r] =
+                (float)(m[3 * r] * d[0] + m[3 * r + 1] * d[1] +
+                        m[3 * r + 2] * d[2]);
+        place[j].lambda = (float)fit->light[j].lambda;
+    }
+    for (int i = 0; i < suns; i++) {
+        const double *e = &sun[i].elevation, *a = &sun[i].azimuth;
+        place[sky + i] = (struct lights_place){
+            {(float)(cos(*e) * sin(*a)), (float)(-cos(*e) * cos(*a)),
+             (float)sin(*e)},
+            (float)LIGHTS_SUN_LAMBDA};
+    }
+    bool changed = l->used != sky + suns || l->suns != suns ||
+                   memcmp(place, l->place, sizeof place) != 0;
+    memcpy(l->place, place, sizeof place);
     l->fitted = fit->count;
-    l->used = count_needed(fit, p->quality.light_bound, &l->dropped_share);
+    l->used = sky + suns;
+    l->suns = suns;
+    return changed;
+}
+
+void lights_tint(struct lights *l, const struct sky_fit *fit,
+                 const struct params *p)
+{
+    struct block_std140 block = {0};
+    struct sun sun[LIGHTS_SUNS];
+    const double gain = exp2(p->tint.exposure);
+    const int sky = l->used - l->suns;
+    suns_of(p, sun);
     for (int j = 0; j < l->used; j++) {
-        const struct sky_light *s = &fit->light[j];
         struct light_std140 *out = &block.light[j];
-        for (int r = 0; r < 3; r++) {
-            double d = 0;
-            for (int c = 0; c < 3; c++)
-                d += m[3 * r + c] * s->direction[c];
-            out->place[r] = (float)d;
-            out->radiance[r] = (float)(s->radiance[r] * gain *
-                                       (double)p->tint.colour[r]);
-        }
-        out->place[3] = (float)s->lambda;
-        out->radiance[3] = (float)sky_lobe_omega(s->lambda);
+        const double lambda = (double)l->place[j].lambda;
+        const double omega = sky_lobe_omega(lambda);
+        memcpy(out->place, l->place[j].direction, 12);
+        out->place[3] = l->place[j].lambda;
+        out->radiance[3] = (float)omega;
+        for (int c = 0; c < 3; c++)
+            out->radiance[c] =
+                j < sky ? (float)(fit->light[j].radiance[c] * gain *
+                                  (double)p->tint.colour[c])
+                        : (float)(sun[j - sky].strength / omega *
+                                  sun[j - sky].colour[c]);
     }
     block.count = (uint32_t)l->used;
     gl.NamedBufferSubData(l->block, 0, sizeof block, &block);

@@ -1,5 +1,5 @@
-// lights.h - the fitted SRBF lights turned into the world, coloured, and those
-// that cannot matter dropped.
+// lights.h - what shines on the hair: the sky's SRBF lights turned into the
+// world, those that cannot matter dropped, and the suns.
 // Thread: render.
 #ifndef RENDERER_LIGHTS_H
 #define RENDERER_LIGHTS_H
@@ -7,22 +7,40 @@
 #include "protocol/params.h"
 #include "renderer/sky.h"
 
-enum { LIGHTS_BINDING = 2 }; // of the uniform block
+enum {
+    LIGHTS_BINDING = 2, // of the uniform block
+    LIGHTS_SUNS = 3,
+    LIGHTS_MAX = SKY_LIGHTS_MAX // sky and suns together
+};
+
+// A sun is an SRBF light of this width (a ninth of a degree): narrower than
+// every lobe of a fibre by far, wide enough for single precision.
+#define LIGHTS_SUN_LAMBDA 0.002
+
+struct lights_place {
+    float direction[3], lambda; // world, unit; Xu width
+};
 
 struct lights {
     unsigned block; // uniform buffer
-    int used, fitted;
-    double dropped_share; // of the sky's light, mean over channels
-    float to_map[9];      // row-major: world direction -> map direction
+    struct lights_place place[LIGHTS_MAX];
+    int used, fitted, suns; // used: sky lights and suns; suns come last
+    double dropped_share;   // of the sky's light, mean over channels
+    float to_map[9];        // row-major: world direction -> map direction
 };
 
 void lights_init(struct lights *l);
 void lights_finish(struct lights *l);
 
-// Rotation: roll about y, then pitch about x, then yaw about z (light.*);
-// colour and exposure from tint.*.  Drops the dimmest lights while together
-// they hold at most quality.light_bound of the sky's light.
-void lights_update(struct lights *l, const struct sky_fit *fit,
-                   const struct params *p);
+// Where lights stand.  Rotation of the sky: roll about y, then pitch about x,
+// then yaw about z (light.*).  Drops the dimmest sky lights while together they
+// hold at most quality.light_bound of the sky's light.  True when any place,
+// width or the count differs from before.
+bool lights_put(struct lights *l, const struct sky_fit *fit,
+                const struct params *p);
+// How bright they are: the fit's radiances times tint.*, the suns' colours.
+// Uploads the block.  After lights_put.
+void lights_tint(struct lights *l, const struct sky_fit *fit,
+                 const struct params *p);
 
 #endif

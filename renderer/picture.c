@@ -13,7 +13,8 @@
 enum {
     HEAD_VERTICES = 96 * 48 * 6,
     DISPATCH_OFFSET = 16,
-    LIST_END = 32,
+    SHADOW_DISPATCH_OFFSET = 32,
+    LIST_END = 48,
     QUADS = 16384 // a draw: as many as 16-bit indices reach
 };
 
@@ -22,7 +23,7 @@ struct scene_std140 { // scene.glsl
         forward[4], head_centre[4], head_radius[4], hair_colour[4],
         sky_to_map[16];
     uint32_t sample_index[4];
-    float mask[4];
+    float mask[4], share[4];
 };
 
 static bool rasters(struct picture *p, bool opacity, struct error *err)
@@ -257,6 +258,7 @@ void picture_scene(struct picture *p, const struct picture_scene *s, int k)
     b.sample_index[3] = (uint32_t)(k < p->maps ? k : p->maps) *
                         (uint32_t)(p->width * p->height);
     put3(b.mask, s->mask, 1);
+    memcpy(b.share, s->share, 2 * sizeof *b.share);
     gl.NamedBufferSubData(p->scene, 0, sizeof b, &b);
     gl.BindBufferBase(GL_UNIFORM_BUFFER, PICTURE_SCENE_BINDING, p->scene);
 }
@@ -326,12 +328,13 @@ bool picture_see(struct picture *p, const struct strands *s, int k,
     return true;
 }
 
-void picture_prepare(struct picture *p, int k)
+void picture_prepare(struct picture *p, int k, int lights)
 {
     picture_bind(p);
     gl.UseProgram(p->count);
     gl.ProgramUniform1ui(p->count, 0, (GLuint)k);
     gl.ProgramUniform1ui(p->count, 1, k >= p->seen);
+    gl.ProgramUniform1ui(p->count, 2, (GLuint)lights);
     gl.DispatchCompute(1, 1, 1);
     gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     if (k >= p->seen)
@@ -342,6 +345,13 @@ void picture_dispatch(const struct picture *p)
 {
     gl.BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, p->counts);
     gl.DispatchComputeIndirect(DISPATCH_OFFSET);
+    gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+void picture_dispatch_lights(const struct picture *p)
+{
+    gl.BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, p->counts);
+    gl.DispatchComputeIndirect(SHADOW_DISPATCH_OFFSET);
     gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 

@@ -45,6 +45,7 @@ struct picture_scene { // what the scene block is made of
     const struct strands *strands;
     const float *to_map; // 9, row-major
     const float *mask;   // 3: R, TT, TRT
+    const float *share;  // 2: global, local multiple scattering
 };
 
 bool picture_init(struct picture *p, struct error *err);
@@ -64,10 +65,12 @@ void picture_scene(struct picture *p, const struct picture_scene *s, int k);
 // Raster and cells of sample k.
 bool picture_see(struct picture *p, const struct strands *s, int k,
                  struct error *err);
-// Binds the cells and makes the dispatch for those that sample k sees first;
-// the caller then binds its program and calls picture_dispatch.
-void picture_prepare(struct picture *p, int k);
+// Binds the cells and makes the dispatches for those that sample k sees first;
+// the caller then binds its program and calls one of the two below: one thread
+// a cell, or one a cell and light.
+void picture_prepare(struct picture *p, int k, int lights);
 void picture_dispatch(const struct picture *p);
+void picture_dispatch_lights(const struct picture *p);
 void picture_add(struct picture *p); // adds sample k, as prepared
 // Binds the sums for display_draw.
 void picture_bind(const struct picture *p);

@@ -20,15 +20,19 @@
 struct renderer;
 
 enum renderer_stage { // in the order in which they run
-    RENDERER_STRANDS, // hair: vertex buffers
-    RENDERER_SKY,     // sky: the fit, lights in the map's frame
-    RENDERER_LIGHT,   // light, tint: lights in the world, those that matter
-    RENDERER_FIBRE,   // fibre, render: program variant, uniforms, tables
-    RENDERER_VISIBLE, // camera, image: which point of which strand a pixel sees
-    RENDERER_SHADE,   // radiance of the visible points
-    RENDERER_RESOLVE, // accumulation, coverage
-    RENDERER_DISPLAY, // view: the 8-bit picture
-    RENDERER_READ,    // pixels to the caller
+    RENDERER_STRANDS,   // hair: vertex buffers
+    RENDERER_SKY,       // sky: the fit, lights in the map's frame
+    RENDERER_LIGHT,     // light, suns: lights in the world, those that matter
+    RENDERER_TINT,      // tint, suns: their colours
+    RENDERER_CROSSINGS, // shadow: fibres crossed on the way to any point
+    RENDERER_FIBRE,     // fibre, render: program variant, uniforms, tables
+    RENDERER_VISIBLE,   // camera, image: which place of which strand a pixel
+                        // sees
+    RENDERER_SHADOW,    // what of each light reaches each visible place
+    RENDERER_SHADE,     // radiance of the visible places
+    RENDERER_RESOLVE,   // accumulation, coverage
+    RENDERER_DISPLAY,   // view: the 8-bit picture
+    RENDERER_READ,      // pixels to the caller
     RENDERER_STAGES
 };
 extern const char *const renderer_stage_names[RENDERER_STAGES];
@@ -44,13 +48,16 @@ struct renderer_stats {
     int samples;                      // accumulated so far
     int samples_wanted;
     uint32_t visible_points; // shaded by the last step
-    int lights_used, lights_fitted;
-    struct renderer_left_out left_out[8];
+    int lights_used, lights_fitted; // suns count among those used
+    int shadow_resolution, shadow_directions; // in use; 0: no shadows
+    double shadow_grid_ms, shadow_sweep_ms;   // of the last build
+    struct renderer_left_out left_out[12];
     int left_out_count;
     float diameter;   // in use, file units (see hair.diameter)
     int up;           // 0, 1, 2: the axis taken as up (see hair.up)
     float eye[3], target[3]; // in use, world (see camera.eye = auto)
     uint64_t memory_strands, memory_targets, memory_cache; // bytes
+    uint64_t memory_shadow;
     struct sky_fit fit;
     struct sky_cleaned cleaned;
 };

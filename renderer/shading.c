@@ -12,7 +12,15 @@
 
 // Up to FIXED_M segments the count is a constant of the program; above it is
 // the uniform of shaders/xu.glsl, since unrolling would gain nothing.
-enum { PARAMS_ROWS_MAX = 128, FIXED_M = 8, XU_M_LOCATION = 16 };
+enum {
+    PARAMS_ROWS_MAX = 128,
+    FIXED_M = 8,
+    LAST_LIGHT = 3, // of render.components: those after it are views
+    PART_LOCATION = 0,
+    STRIDE_LOCATION = 2, // nodes.glsl
+    NODES_BINDING = 15,  // nodes.glsl
+    XU_M_LOCATION = 16   // xu.glsl
+};
 
 void shading_init(struct shading *s)
 {
@@ -51,44 +59,47 @@ static double opaque_bound(const struct params *p)
     return fmax(exact, series) / f0;
 }
 
-static void variant_name(struct shading *s, const struct params *p,
-                         const struct strands *strands, char *out)
+static void add(char *defines, const char *word)
+{
+    size_t n = strlen(defines);
+    snprintf(defines + n, SHADING_DEFINES - n, "%s%s", n ? " " : "", word);
+}
+
+// The words of render.components that show something else than light.
+static const char *view_of(int components)
+{
+    static const char *const views[] = {"VIEW_FIELD=0", "VIEW_FIELD=1",
+                                        "VIEW_TANGENT", "VIEW_COVERAGE",
+                                        "VIEW_STRAND"};
+    return components > LAST_LIGHT ? views[components - LAST_LIGHT - 1] : NULL;
+}
+
+static void name_base(struct shading *s, const struct params *p,
+                      const struct strands *strands)
 {
     const double negligible = 1e-4; // of R: below one 8-bit step by far
+    const char *view = view_of(p->render.components);
+    char m[16];
     s->circular = !shading_wants_axis(p);
     s->opaque_bound = opaque_bound(p);
     s->opaque = s->opaque_bound < negligible;
-    char m[16] = "";
-    if (p->render.m <= FIXED_M)
-        snprintf(m, sizeof m, "XU_M=%d", p->render.m);
-    snprintf(out, SHADING_DEFINES, "%s%s%s%s%s", m,
-             p->render.nodes == 1 ? " XU_FINE_NODES" : "",
-             s->circular ? "" : " XU_ECCENTRIC",
-             s->opaque ? " XU_NO_TT_TRT" : "",
-             strands->colour ? " WITH_COLOUR" : "");
-}
-
-static bool choose(struct shading *s, const char *defines, struct error *err)
-{
-    struct shading_variant *oldest = &s->variant[0];
-    for (int i = 0; i < SHADING_VARIANTS; i++) {
-        struct shading_variant *v = &s->variant[i];
-        if (v->program && strcmp(v->defines, defines) == 0) {
-            v->age = ++s->clock;
-            s->program = v->program;
-            return true;
-        }
-        if (v->age < oldest->age)
-            oldest = v;
-    }
-    unsigned program = program_compute("shade.comp", defines, err);
-    if (!program)
-        return false;
-    gl.DeleteProgram(oldest->program);
-    snprintf(oldest->defines, sizeof oldest->defines, "%s", defines);
-    oldest->program = s->program = program;
-    oldest->age = ++s->clock;
-    return true;
+    s->m = p->render.m > FIXED_M ? p->render.m : 0;
+    s->base[0] = 0;
+    snprintf(m, sizeof m, "XU_M=%d", p->render.m);
+    if (!s->m)
+        add(s->base, m);
+    if (p->render.nodes == 1)
+        add(s->base, "XU_FINE_NODES");
+    if (!s->circular)
+        add(s->base, "XU_ECCENTRIC");
+    if (s->opaque)
+        add(s->base, "XU_NO_TT_TRT");
+    if (strands->colour)
+        add(s->base, "WITH_COLOUR");
+    if (s->shadowed)
+        add(s->base, "WITH_SHADOW");
+    if (view)
+        add(s->base, view);
 }
 
 bool shading_wants_axis(const struct params *p)
@@ -96,41 +107,74 @@ bool shading_wants_axis(const struct params *p)
     return p->fibre.a != 1.0f;
 }
 
-static void tables(struct shading *s, int times)
+static void choose_components(struct shading *s, int shown)
 {
-    if (s->tables && s->tables->times == times)
-        return;
-    xu_tables_destroy(s->tables);
-    s->tables = xu_tables_create(times);
-}
-
-bool shading_update(struct shading *s, const struct params *p,
-                    const struct strands *strands, struct error *err)
-{
-    char defines[SHADING_DEFINES];
-    variant_name(s, p, strands, defines);
-    if (!choose(s, defines, err))
-        return false;
-    tables(s, p->render.tables);
-    if (p->render.m > FIXED_M)
-        gl.ProgramUniform1i(s->program, XU_M_LOCATION, p->render.m);
-    const int shown = p->render.components; // all, R, TT, TRT
     for (int i = 0; i < 3; i++)
         s->mask[i] = shown == 0 || shown == i + 1;
+}
+
+void shading_update(struct shading *s, const struct params *p,
+                    const struct strands *strands, bool shadowed)
+{
+    s->shadowed = shadowed;
+    name_base(s, p, strands);
+    choose_components(s, p->render.components);
+    if (!s->tables || s->tables->times != p->render.tables) {
+        xu_tables_destroy(s->tables);
+        s->tables = xu_tables_create(p->render.tables);
+    }
     float values[4 * PARAMS_ROWS_MAX];
     glsl_params_values(p, values);
     gl.NamedBufferSubData(s->params, 0, 16 * params_row_count, values);
-    return true;
 }
 
-void shading_bind(const struct shading *s, const struct strands *strands, int k)
+// The program of these defines: kept, or compiled in the oldest one's place.
+static unsigned program_of(struct shading *s, const char *defines,
+                           struct error *err)
 {
-    gl.UseProgram(s->program);
-    gl.ProgramUniform1ui(s->program, 0, (GLuint)k);
+    struct shading_variant *oldest = &s->variant[0];
+    for (int i = 0; i < SHADING_VARIANTS; i++) {
+        struct shading_variant *v = &s->variant[i];
+        if (v->program && strcmp(v->defines, defines) == 0) {
+            v->age = ++s->clock;
+            return v->program;
+        }
+        if (v->age < oldest->age)
+            oldest = v;
+    }
+    unsigned program = program_compute("shade.comp", defines, err);
+    if (!program)
+        return 0;
+    gl.DeleteProgram(oldest->program);
+    snprintf(oldest->defines, sizeof oldest->defines, "%s", defines);
+    oldest->program = program;
+    oldest->age = ++s->clock;
+    return program;
+}
+
+bool shading_bind(struct shading *s, const struct strands *strands,
+                  const struct shading_sample *how, struct error *err)
+{
+    char defines[SHADING_DEFINES];
+    snprintf(defines, sizeof defines, "%s", s->base);
+    if (s->shadowed && how->stored)
+        add(defines, "SHADOW_STORED");
+    unsigned program = program_of(s, defines, err);
+    if (!program)
+        return false;
+    gl.UseProgram(program);
+    gl.ProgramUniform1ui(program, PART_LOCATION, (GLuint)how->part);
+    if (s->m)
+        gl.ProgramUniform1i(program, XU_M_LOCATION, s->m);
+    if (s->shadowed && how->stored) {
+        gl.ProgramUniform1ui(program, STRIDE_LOCATION, how->stride);
+        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, NODES_BINDING, how->nodes);
+    }
     gl.BindBufferBase(GL_UNIFORM_BUFFER, GLSL_PARAMS_BINDING, s->params);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, strands->position);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, strands->strand);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, strands->colour);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, strands->axis);
     xu_tables_bind(s->tables);
+    return true;
 }

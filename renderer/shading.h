@@ -11,7 +11,7 @@
 #include "renderer/strands.h"
 #include "renderer/xu_tables.h"
 
-enum { SHADING_VARIANTS = 8, SHADING_DEFINES = 96 };
+enum { SHADING_VARIANTS = 12, SHADING_DEFINES = 160 };
 
 struct shading_variant {
     char defines[SHADING_DEFINES];
@@ -21,26 +21,36 @@ struct shading_variant {
 
 struct shading {
     struct shading_variant variant[SHADING_VARIANTS];
-    unsigned program; // in use; owned by the variants
+    char base[SHADING_DEFINES]; // what the parameters ask for
     unsigned clock;
     unsigned params; // uniform block
     struct xu_tables *tables;
-    bool circular, opaque;
+    int m;           // segments, where the program has them as a uniform
+    bool circular, opaque, shadowed;
     double opaque_bound; // what leaving TT and TRT out can change, of R
     float mask[3];       // R, TT, TRT shown
+    float share[2];      // global, local multiple scattering shown
 };
 
 void shading_init(struct shading *s);
 void shading_finish(struct shading *s);
 
-// Picks (compiles, if it is new) the variant for these parameters and uploads
-// the parameter block.  with_axis: an eccentric fibre needs strands' axis.
-bool shading_update(struct shading *s, const struct params *p,
-                    const struct strands *strands, struct error *err);
+// Decides what the parameters ask of the program, uploads the parameter block
+// and tables.  shadowed: transmittances are to be had.
+void shading_update(struct shading *s, const struct params *p,
+                    const struct strands *strands, bool shadowed);
 bool shading_wants_axis(const struct params *p);
 
-// Binds program, block, tables and strands for picture_dispatch; k as there.
-void shading_bind(const struct shading *s, const struct strands *strands,
-                  int k);
+struct shading_sample {
+    int part;         // of the list of cells, as picture_prepare had it
+    bool stored;      // transmittances are kept in `nodes`, else made here
+    unsigned nodes;   // buffer, [light][stride]
+    uint32_t stride;
+};
+
+// Binds program (compiled when it is new), block, tables and strands for
+// picture_dispatch.
+bool shading_bind(struct shading *s, const struct strands *strands,
+                  const struct shading_sample *how, struct error *err);
 
 #endif

@@ -16,6 +16,7 @@ layout(std140, binding = 1) uniform Scene {
     mat4 sky_to_map;    // world direction -> map direction
     uvec4 sample_index; // x: this sample; y: points; z: hash slots - 1; w: map
     vec4 mask;          // which of R, TT, TRT are shown
+    vec4 share;         // x global, y local multiple scattering: shown or not
 };
 
 layout(std430, binding = 0) readonly buffer Points { vec4 points[]; };

@@ -1,12 +1,19 @@
 #version 450 core
 // Radiance of the cells that this sample sees for the first time: all lights
-// in the inner loop (Xu 2011, eq 2, with the fibre's diameter cancelled: a
-// strand drawn as a ribbon of its own width has radiance = curve intensity /
-// diameter).
+// in the inner loop.  The fibre's diameter cancels (a strand drawn as a ribbon
+// of its own width has radiance = curve intensity / diameter).
+// Variants leave out what a scene does not need.
 #include "scene.glsl"
 #include "cells.glsl"
 #include "lights.glsl"
 #include "xu.glsl"
+#include "place.glsl"
+#ifdef WITH_SHADOW
+#include "shadow.glsl"
+#ifdef SHADOW_STORED
+#include "nodes.glsl"
+#endif
+#endif
 layout(local_size_x = 64) in;
 layout(location = 0) uniform uint kept;
 
@@ -33,25 +40,23 @@ vec3 unpack_axis(uint bits)
 }
 #endif
 
-// u along the fibre; v across it: the major axis of an eccentric fibre, else
-// towards the viewer, which makes phi_o zero.
-void frame_of(uint i, float t, vec3 to_eye, out vec3 u, out vec3 v)
+// Across the fibre: the major axis of an eccentric fibre, else towards the
+// viewer, which makes phi_o zero.
+vec3 across_of(Place c, vec3 to_eye)
 {
-    vec3 sum = mix(tangent_at(i), tangent_at(i + 1u), t);
-    float n = dot(sum, sum);
-    u = n > 1e-12 ? sum * inversesqrt(n) : tangent_at(i);
     vec3 side = to_eye;
 #ifdef XU_ECCENTRIC
-    side = mix(unpack_axis(axis_of[i]), unpack_axis(axis_of[i + 1u]), t);
+    side = mix(unpack_axis(axis_of[c.segment]),
+               unpack_axis(axis_of[c.segment + 1u]), c.along);
 #endif
-    v = side - dot(side, u) * u;
-    n = dot(v, v);
+    vec3 v = side - dot(side, c.u) * c.u;
+    float n = dot(v, v);
     if (n < 1e-10) { // looking along the fibre: any direction will do
-        side = abs(u.z) < 0.9 ? vec3(0, 0, 1) : vec3(1, 0, 0);
-        v = side - dot(side, u) * u;
+        side = abs(c.u.z) < 0.9 ? vec3(0, 0, 1) : vec3(1, 0, 0);
+        v = side - dot(side, c.u) * c.u;
         n = dot(v, v);
     }
-    v *= inversesqrt(n);
+    return v * inversesqrt(n);
 }
 
 float azimuth(vec3 d, vec3 v, vec3 w)
@@ -60,34 +65,95 @@ float azimuth(vec3 d, vec3 v, vec3 w)
     return abs(x) + abs(y) > 0.0 ? atan(y, x) : 0.0;
 }
 
+Fibre fibre_here()
+{
+    return Fibre(fibre_eta, fibre_sigma_a, fibre_a,
+                 vec3(fibre_alpha_r, fibre_alpha_tt, fibre_alpha_trt),
+                 vec3(fibre_beta_r, fibre_beta_tt, fibre_beta_trt), fibre_w_c,
+                 fibre_delta_eta);
+}
+
+#ifdef WITH_SHADOW
+vec4 nodes_of(uint light, Place c, uint at)
+{
+#ifdef SHADOW_STORED
+    return shadow_unpack(nodes[light * nodes_stride + at]);
+#else
+    return shadow_unpack(shadow_nodes(light, c.p, c.u, c.segment, c.key));
+#endif
+}
+#else
+vec4 nodes_of(uint light, Place c, uint at) { return vec4(1.0); }
+float shadow_clear(vec4 g) { return g.x; }
+#endif
+
+#ifdef VIEW_FIELD
+// What shadows are made of, weighted by the lights: the share that arrives
+// unblocked, or the fibres crossed (mean, of ten).
+vec3 field(Place c, uint at)
+{
+    vec4 sum = vec4(0.0);
+    for (uint j = 0u; j < light_count; j++) {
+        vec4 g = nodes_of(j, c, at);
+        vec3 power = lights[j].radiance.rgb * lights[j].radiance.w;
+        float weight = dot(power, vec3(0.2126, 0.7152, 0.0722));
+        float t = shadow_clear(g);
+        float n = -20.0 * log(max(g.w, 1e-6)); // g.w = E[exp(-n / 20)]
+        sum += weight * vec4(t, min(n, 100.0) / 10.0, 0.0, 1.0);
+    }
+    vec2 mean = sum.xy / max(sum.w, 1e-30);
+    return vec3(VIEW_FIELD == 0 ? mean.x : mean.y);
+}
+#endif
+
+// Everything that one light sends to the eye from here, but for its radiance.
+vec3 received(Fibre fibre, Srbf light, float theta_o, float phi_o, vec4 g)
+{
+    vec3 r, tt, trt;
+    xu_modes(fibre, light, theta_o, phi_o, r, tt, trt);
+    vec3 direct = mask.x * r + mask.y * tt + mask.z * trt;
+    return shadow_clear(g) * direct;
+}
+
+vec3 shade(Place c, uint at)
+{
+    vec3 to_eye = normalize(eye.xyz - c.p), v = across_of(c, to_eye);
+    vec3 w = cross(c.u, v);
+    float theta_o = special_asin(clamp(dot(to_eye, c.u), -1.0, 1.0));
+    float phi_o = azimuth(to_eye, v, w);
+    Fibre fibre = fibre_here();
+    vec3 sum = vec3(0.0);
+    for (uint j = 0u; j < light_count; j++) {
+        vec4 place = lights[j].place;
+        Srbf light =
+            Srbf(special_asin(clamp(dot(place.xyz, c.u), -1.0, 1.0)),
+                 azimuth(place.xyz, v, w), place.w);
+        vec4 g = nodes_of(j, c, at);
+        sum += lights[j].radiance.rgb * received(fibre, light, theta_o, phi_o,
+                                                 g);
+    }
+    return sum * colour_at(c.segment, c.along);
+}
+
 void main()
 {
     uint begin = dispatch.w, at = begin + gl_GlobalInvocationID.x;
     if (at >= list_end[kept])
         return;
-    uint slot = list[at], key = keys[slot] - 1u;
-    uint i = key >> CELL_BITS, cell = key & (CELLS_MAX - 1u);
-    float t = (float(cell) + 0.5) / float(cell_count(i));
-    vec3 p = mix(points[i].xyz, points[i + 1u].xyz, t);
-    vec3 to_eye = normalize(eye.xyz - p), u, v;
-    frame_of(i, t, to_eye, u, v);
-    vec3 w = cross(u, v);
-    float theta_o = special_asin(dot(to_eye, u));
-    float phi_o = azimuth(to_eye, v, w);
-
-    Fibre fibre = Fibre(fibre_eta, fibre_sigma_a, fibre_a,
-                        vec3(fibre_alpha_r, fibre_alpha_tt, fibre_alpha_trt),
-                        vec3(fibre_beta_r, fibre_beta_tt, fibre_beta_trt),
-                        fibre_w_c, fibre_delta_eta);
-    vec3 sum = vec3(0.0);
-    for (uint j = 0u; j < light_count; j++) {
-        vec4 place = lights[j].place;
-        Srbf light = Srbf(special_asin(dot(place.xyz, u)),
-                          azimuth(place.xyz, v, w), place.w);
-        vec3 r, tt, trt;
-        xu_modes(fibre, light, theta_o, phi_o, r, tt, trt);
-        sum += lights[j].radiance.rgb *
-               (mask.x * r + mask.y * tt + mask.z * trt);
-    }
-    radiance[slot] = vec4(sum * colour_at(i, t), 1.0);
+    uint slot = list[at];
+    Place c = place_of(slot);
+#if defined(VIEW_FIELD)
+    vec3 seen = field(c, at);
+#elif defined(VIEW_TANGENT)
+    vec3 seen = 0.5 + 0.5 * c.u;
+#elif defined(VIEW_COVERAGE)
+    vec3 seen = vec3(1.0);
+#elif defined(VIEW_STRAND)
+    uint h = strand_of[c.segment] * 0x9e3779b9u;
+    h = (h ^ (h >> 15)) * 0x85ebca6bu;
+    vec3 seen = vec3(uvec3(h, h >> 8, h >> 16) & 255u) / 255.0;
+#else
+    vec3 seen = shade(c, at);
+#endif
+    radiance[slot] = vec4(seen, 1.0);
 }

@@ -132,6 +132,7 @@ void scene_params(struct params *p)
     p->image.height = 64;
     p->quality.samples = 4;
     p->sky.lights = 8;
+    p->shadow.method = 0; // coverage needs no shadows; who does turns it on
     p->camera.fov = 20;
     const float far = 32 / tanf(10 * (float)M_PI / 180);
     memcpy(p->camera.eye, (float[3]){0, -far, 0}, 12);

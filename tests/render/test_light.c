@@ -11,6 +11,8 @@ static void base(struct params *p)
     p->hair.diameter = 0.6f;
     p->quality.samples = 4;
     p->quality.light_bound = 0;
+    p->shadow.method = 1;
+    p->shadow.resolution = 40;
 }
 
 static struct buf picture(const struct params *p)
@@ -53,11 +55,16 @@ static void modes(void)
 // A groom without a head turned by 40 degrees about z under a sky turned by the
 // same, seen by a turned camera: the same picture, but for pixels at which the
 // raster of turned floats decides otherwise, about one in a thousand.
-static void turning(void)
+// With shadows the voxels stay where they are while the hair turns in them, so
+// the pictures differ by what such a coarse field is wrong.
+static void turning(bool shadows)
 {
-    check_case("turning sky, hair and camera together changes nothing");
+    check_case(shadows ? "... with shadows, to their error"
+                       : "turning sky, hair and camera together changes "
+                         "nothing");
     struct params p;
     base(&p);
+    p.shadow.method = shadows;
     struct buf b[2];
     for (int turned = 0; turned < 2; turned++) {
         struct groom *g = scene_lock(50, 14);
@@ -73,13 +80,14 @@ static void turning(void)
         b[turned] = scene_linear(r);
         renderer_destroy(r);
     }
-    CHECK_ATMOST(scene_difference(&b[1], &b[0]), 0.02);
-    CHECK_NEAR(scene_sum(&b[1], 1) / scene_sum(&b[0], 1), 1, 0.002);
+    CHECK_ATMOST(scene_difference(&b[1], &b[0]), shadows ? 0.15 : 0.02);
+    CHECK_NEAR(scene_sum(&b[1], 1) / scene_sum(&b[0], 1), 1,
+               shadows ? 0.03 : 0.002);
     check_case("turning the sky alone changes the picture");
     p.light.yaw = 130;
     p.camera.eye[0] = 0;
     struct buf other = picture(&p);
-    CHECK(scene_difference(&other, &b[0]) > 0.05);
+    CHECK(scene_difference(&other, &b[0]) > 0.2);
     buf_finish(&b[0]);
     buf_finish(&b[1]);
     buf_finish(&other);
@@ -102,7 +110,8 @@ static void constant_sky(void)
         b[i] = scene_linear(r);
         renderer_destroy(r);
     }
-    CHECK_ATMOST(scene_difference(&b[1], &b[0]), 0.01);
+    // wide lobes are shadowed along a few directions each: another per cent
+    CHECK_ATMOST(scene_difference(&b[1], &b[0]), 0.02);
     buf_finish(&b[0]);
     buf_finish(&b[1]);
 }
@@ -236,7 +245,8 @@ int main(int argc, char **argv)
 {
     sky_helper_main(argc, argv);
     modes();
-    turning();
+    turning(false);
+    turning(true);
     constant_sky();
     exposure();
     left_out();

@@ -25,8 +25,9 @@ static void base(struct params *p)
     scene_params(p);
     p->hair.diameter = 0.6f;
     p->quality.samples = 3;
-    p->render.m = 4;
     p->view.background = 2;
+    p->shadow.method = 1;
+    p->shadow.resolution = 40;
 }
 
 // Another legal value of a row, as far from the one in use as it is sane.
@@ -244,16 +245,27 @@ static void stage_names(void)
     p.quality.samples = 1;
     struct renderer *r = scene_renderer(groom(), scene_two_lamps(), &p);
     check_case("the first picture runs all stages but the strands' upload");
-    CHECK_STR(ran(r), "sky light fibre visible shade resolve display read");
+    CHECK_STR(ran(r), "sky light tint crossings fibre visible shadow shade "
+                      "resolve display read");
     check_case("an absorption edit runs fibre and shading only");
     p.fibre.sigma_a[1] = 1;
     renderer_set_params(r, &p);
     CHECK_STR(ran(r), "fibre shade resolve display read");
-    check_case("turning or colouring the sky never fits anew");
+    check_case("turning the sky never fits anew");
     p.light.yaw = 30;
+    renderer_set_params(r, &p);
+    CHECK_STR(ran(r), "light tint crossings shadow shade resolve display read");
+    check_case("colouring it sweeps no shadows");
     p.tint.exposure = 1;
     renderer_set_params(r, &p);
-    CHECK_STR(ran(r), "light shade resolve display read");
+    CHECK_STR(ran(r), "tint shade resolve display read");
+    check_case("a sun that comes sweeps, one that brightens does not");
+    p.sun1.strength = 1;
+    renderer_set_params(r, &p);
+    CHECK_STR(ran(r), "light tint crossings shadow shade resolve display read");
+    p.sun1.strength = 2;
+    renderer_set_params(r, &p);
+    CHECK_STR(ran(r), "tint shade resolve display read");
     check_case("a display edit shades nothing");
     p.view.exposure = 1;
     renderer_set_params(r, &p);
@@ -261,13 +273,18 @@ static void stage_names(void)
     check_case("a camera edit touches neither fibre nor light");
     p.camera.fov = 25;
     renderer_set_params(r, &p);
-    CHECK_STR(ran(r), "visible shade resolve display read");
+    CHECK_STR(ran(r), "visible shadow shade resolve display read");
     check_case("a hair edit does not touch the sky");
     p.hair.diameter = 0.5f;
     renderer_set_params(r, &p);
-    CHECK_STR(ran(r), "strands fibre visible shade resolve display read");
+    CHECK_STR(ran(r), "strands crossings fibre visible shadow shade resolve "
+                      "display read");
     check_case("nothing changed: nothing is shaded");
     CHECK_STR(ran(r), "display read");
+    check_case("without shadows nothing is swept");
+    p.shadow.method = 0;
+    renderer_set_params(r, &p);
+    CHECK_STR(ran(r), "fibre shade resolve display read");
     renderer_destroy(r);
 }
 

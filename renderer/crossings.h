@@ -1,0 +1,125 @@
+// crossings.h - how many fibres light crosses on its way to a point: the
+// expected number n(x, w) from any point of the hair in any direction, and from
+// it what every light's lobe lets through.
+//
+// Built of three things, each kept until what it depends on changes:
+//   grid   the hair as a density of fibre area and a tensor of directions, in
+//          voxels                                     (hair)
+//   ways   for each light a few directions, and along each of them n summed up
+//          from the far side through all voxels       (lights' places, widths)
+//   lists  the segments near each voxel, for rays that count real fibres close
+//          to the point before the voxels take over   (hair)
+// Nothing here depends on a fibre's parameters, on a light's colour or on the
+// camera.  The head is no part of the grid: it is tested where n is looked up.
+//
+// Shaders include "shadow.glsl"; crossings_bind gives them what it reads.
+// Method: fibres as randomly placed pieces of known density and direction, so
+// that crossings are Poisson (docs/METHODS.md).
+// Thread: render, with the GL context current.
+#ifndef RENDERER_CROSSINGS_H
+#define RENDERER_CROSSINGS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "protocol/error.h"
+#include "protocol/params.h"
+#include "renderer/groom.h"
+#include "renderer/strands.h"
+
+enum {
+    CROSSINGS_LIGHTS_MAX = 200,
+    CROSSINGS_WAYS_MAX = 1024, // directions of all lights together
+    CROSSINGS_RESOLUTION_MIN = 32,
+    CROSSINGS_RESOLUTION_MAX = 192,
+    CROSSINGS_RAYS_MAX = 16,
+    // What crossings_bind binds, for shaders that include shadow.glsl.
+    CROSSINGS_UNIFORM_BINDING = 5, // uniform block
+    CROSSINGS_TEXTURE_UNIT = 8,
+    CROSSINGS_STARTS_BINDING = 12, // storage: only for rays
+    CROSSINGS_PIECES_BINDING = 13,
+    CROSSINGS_OPACITY_BINDING = 14,
+};
+
+struct crossings_light {
+    float direction[3]; // world, unit, towards the light
+    float lambda;       // width; 0 is a sun
+};
+
+enum crossings_quality {
+    CROSSINGS_COARSE, // 1, 1, 4, 8 directions for lambda up to .1, .3, .7, more
+    CROSSINGS_FINE,   // 1, 4, 8, 16
+};
+
+struct crossings_options {
+    int resolution;  // voxels along the longest side; outside
+                     // CROSSINGS_RESOLUTION_* is brought into it
+    uint64_t budget; // bytes for all that is kept, 0: no limit
+    int ways;        // directions that the budget should hold; 0: 210, which is
+                     // 40 lights at CROSSINGS_FINE
+};
+
+struct crossings_stats {
+    int resolution;         // in use; below what was asked where memory ends
+    int size[3];            // voxels
+    int lights, ways;
+    float ways_per_light;   // share of what the quality asks for: < 1 where the
+                            // budget made it coarser
+    double grid_ms, lists_ms; // wall time of the last build
+    double sweep_ms;          // on the GPU, of the last update
+    uint64_t grid_bytes, ways_bytes, lists_bytes, scratch_bytes;
+};
+
+struct crossings { // zero-initialised is empty; all fields are private
+    struct crossings_options options;
+    struct crossings_stats stats;
+    struct crossings_block *block; // what the uniform block holds
+    float box_min[3], voxel;       // world
+    int size[3];                   // voxels, multiples of 4
+    unsigned tensor[2]; // 3-D textures: rho, rho A_xx, A_yy, A_zz; rho A_yz,
+                        // A_zx, A_xy
+    unsigned atlas;     // 3-D texture: a tile a direction
+    int tiles[3];       // tiles of the atlas along x, y, z
+    unsigned uniform;   // buffer
+    unsigned starts, pieces; // buffers, 0 until crossings_build_lists
+    unsigned ways, state, bytes[2]; // scratch: directions of a group, the
+                                    // slice at hand, finished tiles
+    unsigned before;                // `state` as a texture
+    uint64_t state_size, bytes_size[2];
+    unsigned sweep[3], turn; // programs
+    unsigned query[4];
+    bool timed; // the queries hold a sweep that was not read yet
+};
+
+bool crossings_init(struct crossings *c, struct error *err);
+void crossings_finish(struct crossings *c); // a zeroed one is allowed
+
+// When the hair (group hair) changed.  Everything else is forgotten with it.
+// Fails when the memory limits of the device or the budget leave no room for a
+// grid of the least resolution.
+bool crossings_build_grid(struct crossings *c, const struct groom *g,
+                          const struct params *p,
+                          const struct crossings_options *o,
+                          struct error *err);
+
+// When the lights' places or widths changed (not their colours).  At most
+// CROSSINGS_LIGHTS_MAX.  Takes fewer directions where the budget or the device
+// has no room for all; fails where not even one a light fits.
+bool crossings_update(struct crossings *c, const struct crossings_light *lights,
+                      int count, enum crossings_quality quality,
+                      struct error *err);
+
+// For rays: lists of the segments in each voxel.  Once a grid, before the first
+// crossings_bind with rays.
+bool crossings_build_lists(struct crossings *c, const struct groom *g,
+                           const struct params *p, struct error *err);
+
+// Binds what shadow.glsl reads; of the strands their opacities, where they have
+// some.  With SHADOW_RAYS the strands' points and indices are to be bound where
+// scene.glsl has them.
+void crossings_bind(const struct crossings *c, const struct strands *s);
+
+// Waits for the sweeps of the last update.
+void crossings_read_stats(struct crossings *c, struct crossings_stats *out);
+
+#endif

@@ -1,0 +1,47 @@
+// crossings_private.h - what crossings*.c share.
+// Thread: as crossings.h.
+#ifndef RENDERER_CROSSINGS_PRIVATE_H
+#define RENDERER_CROSSINGS_PRIVATE_H
+
+#include "renderer/crossings.h"
+
+// The uniform block of shadow.glsl, std140.
+struct crossings_block {
+    float box[4];    // corner of the grid; 1 / voxel
+    float size[4];   // voxels; the start of a lookup, in voxels
+    float texel[4];  // 1 / atlas size; opacity where there is no array
+    float head[4];   // centre; 1 where there is a head
+    float inverse[4]; // 1 / radius; reach of rays in voxels
+    uint32_t light[CROSSINGS_LIGHTS_MAX][4]; // first way, ways; float bits:
+                                             // lambda, width of a way's share
+    float centre[CROSSINGS_LIGHTS_MAX][4];
+    float way[CROSSINGS_WAYS_MAX][2][4]; // direction, -; tile's corner, -
+};
+
+// --- crossings_grid.c: the hair in voxels
+struct crossings_hair { // a groom in the grid's frame: voxels from its corner
+    const uint32_t *first; // [strands + 1], borrowed
+    uint32_t strands, points;
+    float *at;      // [4 * points]: position, diameter, all in voxels
+    float *opacity; // [points], or NULL
+};
+void crossings_grid_hair(struct crossings_hair *h, const struct crossings *c,
+                         const struct groom *g, const struct params *p);
+void crossings_grid_hair_finish(struct crossings_hair *h);
+// tensor: 2 x 4 floats a voxel, x fastest, in two arrays; rho in 1 / voxel.
+void crossings_grid_splat(const struct crossings_hair *h, const int size[3],
+                          float *const tensor[2]);
+
+// --- crossings_lists.c: which segments are near
+// starts: one more than voxels; *pieces: malloced, starts[voxels] of them, the
+// point numbers at which segments begin.  False when they are more than
+// `most`.
+bool crossings_lists_make(const struct crossings_hair *h, const int size[3],
+                          uint64_t most, uint32_t *starts, uint32_t **pieces);
+
+// --- crossings_ways.c: the directions that stand for a lobe
+int crossings_ways_count(float lambda, enum crossings_quality quality);
+void crossings_ways_direction(const struct crossings_light *l, int i, int count,
+                              float out[3]);
+
+#endif

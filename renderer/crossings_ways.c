@@ -1,0 +1,59 @@
+// crossings_ways.c - the few directions along which a lobe is looked up.
+#include "renderer/crossings_private.h"
+
+#include <math.h>
+
+int crossings_ways_count(float lambda, enum crossings_quality quality)
+{
+    static const int count[2][4] = {{1, 1, 4, 8}, {1, 4, 8, 16}};
+    const int width = lambda <= 0.1f ? 0 : lambda <= 0.3f ? 1
+                                       : lambda <= 0.7f   ? 2
+                                                          : 3;
+    return count[quality][width];
+}
+
+// Two unit vectors across z.
+static void frame(const float z[3], double x[3], double y[3])
+{
+    int k = 0;
+    for (int i = 1; i < 3; i++)
+        if (fabsf(z[i]) < fabsf(z[k]))
+            k = i;
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    const double zi = (double)z[i], zj = (double)z[j];
+    const double n = sqrt(zi * zi + zj * zj);
+    x[k] = 0;
+    x[i] = -zj / n;
+    x[j] = zi / n;
+    for (int c = 0; c < 3; c++) {
+        const int u = (c + 1) % 3, v = (c + 2) % 3;
+        y[c] = (double)z[u] * x[v] - (double)z[v] * x[u];
+    }
+}
+
+// Equal shares of the density exp(2 (cos - 1) / lambda^2) (Xu 2011, eq 2), its
+// distribution function inverted at the middle of each; the turn about the
+// lobe's axis by the golden section.
+void crossings_ways_direction(const struct crossings_light *l, int i, int count,
+                              float out[3])
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = l->direction[c];
+    if (count <= 1)
+        return;
+    const double golden = 0.6180339887498949;
+    const double l2 = (double)l->lambda * (double)l->lambda;
+    const double u = (i + 0.5) / count, turn = i * golden;
+    const double phi = 2 * M_PI * (turn - floor(turn));
+    const double lack = -l2 / 2 * log1p((1 - u) * expm1(-4 / l2)); // 1 - cos
+    const double sine = sqrt(fmax(0, lack * (2 - lack)));
+    double x[3], y[3], n = 0, d[3];
+    frame(l->direction, x, y);
+    for (int c = 0; c < 3; c++) {
+        d[c] = (1 - lack) * (double)l->direction[c] +
+               sine * (cos(phi) * x[c] + sin(phi) * y[c]);
+        n += d[c] * d[c];
+    }
+    for (int c = 0; c < 3; c++)
+        out[c] = (float)(d[c] / sqrt(n));
+}

@@ -1,0 +1,60 @@
+// renderer_private.h - the renderer's inside, shared by its four files:
+// renderer.c (what is stale), renderer_setup.c (stages that set up),
+// renderer_sample.c (a sample, reading), renderer_report.c (stats).
+#ifndef RENDERER_RENDERER_PRIVATE_H
+#define RENDERER_RENDERER_PRIVATE_H
+
+#include "renderer/renderer.h"
+
+#include "renderer/camera.h"
+#include "renderer/crossings.h"
+#include "renderer/display.h"
+#include "renderer/lights.h"
+#include "renderer/picture.h"
+#include "renderer/shading.h"
+#include "renderer/strands.h"
+#include "renderer/timer.h"
+
+struct egl;
+
+struct renderer {
+    struct egl *egl;
+    char *cache_dir; // NULL: none
+    struct groom *groom;
+    struct sky_map *map;
+    struct params params;
+    struct sky_fit fit;
+    struct strands strands;
+    struct lights lights;
+    struct crossings crossings;
+    bool grid_stale;              // of the crossings
+    int grid_resolution, grid_memory_mb, directions_quality; // made for
+    bool directions_stale;        // lights stand elsewhere than swept for
+    unsigned shadow_program, nodes; // kept transmittances of the first sample
+    uint64_t nodes_bytes;
+    uint32_t nodes_stride;
+    bool nodes_valid;
+    struct shading shading;
+    struct picture picture;
+    struct display display;
+    struct camera camera;
+    struct timer timer;
+    bool stale[RENDERER_STAGES]; // of those that set up
+    bool idle;                   // set by a stage that found nothing to do
+    int samples;                 // in the picture's sum
+    struct renderer_stats stats;
+};
+
+// Marks a stage and all that come after it.
+void renderer_mark(struct renderer *r, enum renderer_stage first);
+// True when shadows are asked for and there is light to be shadowed.
+bool renderer_shadowed(const struct renderer *r);
+
+typedef bool renderer_setup_fn(struct renderer *r, struct error *err);
+renderer_setup_fn renderer_setup_strands, renderer_setup_sky,
+    renderer_setup_light, renderer_setup_tint, renderer_setup_crossings,
+    renderer_setup_fibre, renderer_setup_visible;
+
+bool renderer_sample(struct renderer *r, struct error *err);
+
+#endif

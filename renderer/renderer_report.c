@@ -1,0 +1,73 @@
+// renderer_report.c - what is known about a picture, and what it did without.
+#include "renderer/renderer_private.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void leave_out(struct renderer_stats *s, const char *what, double bound,
+                      const char *why)
+{
+    struct renderer_left_out *l = &s->left_out[s->left_out_count++];
+    l->what = what;
+    l->bound = bound;
+    snprintf(l->why, sizeof l->why, "%s", why);
+}
+
+static void list_left_out(const struct renderer *r, struct renderer_stats *s)
+{
+    char why[96];
+    s->left_out_count = 0;
+    if (r->shading.circular)
+        leave_out(s, "eccentricity", 0, "fibre.a is 1: a circular fibre");
+    if (r->shading.opaque)
+        leave_out(s, "tt_trt", r->shading.opaque_bound,
+                  "fibre.sigma_a lets no light through");
+    if (r->lights.used < r->lights.fitted) {
+        snprintf(why, sizeof why, "%d of %d lights hold less of the sky's "
+                                  "light than quality.light_bound",
+                 r->lights.fitted - r->lights.used, r->lights.fitted);
+        leave_out(s, "lights", r->lights.dropped_share, why);
+    }
+    if (!r->shading.shadowed)
+        leave_out(s, "shadows", 0, "shadow.method is off, or nothing shines");
+    if (!r->strands.opacity && r->strands.plain_colour[3] >= 1)
+        leave_out(s, "opacity", 0, "hair.use_opacity is off or the file has "
+                                   "none");
+    if (!r->strands.draw_wide)
+        leave_out(s, "wide_strands", 0, "every strand is thinner than 0.7 "
+                                        "pixels");
+    else if (!r->strands.draw_thin)
+        leave_out(s, "thin_strands", 0, "every strand is wider than 0.7 "
+                                        "pixels");
+    if (r->params.view.background != 2)
+        leave_out(s, "sky_picture", 0, "view.background does not show the sky");
+}
+
+void renderer_stats(const struct renderer *r, struct renderer_stats *out)
+{
+    *out = r->stats;
+    out->samples = r->samples;
+    out->samples_wanted = r->params.quality.samples;
+    out->lights_used = r->lights.used;
+    out->lights_fitted = r->lights.fitted;
+    out->diameter = r->strands.diameter;
+    out->up = r->strands.up;
+    memcpy(out->eye, r->camera.eye, sizeof out->eye);
+    memcpy(out->target, r->camera.target, sizeof out->target);
+    out->memory_strands = r->strands.bytes;
+    out->memory_targets = r->picture.target_bytes;
+    out->memory_cache = r->picture.cache_bytes;
+    if (r->shading.shadowed) {
+        out->shadow_resolution = r->crossings.stats.resolution;
+        out->shadow_directions = r->crossings.stats.ways;
+        out->shadow_grid_ms = r->crossings.stats.grid_ms;
+        out->shadow_sweep_ms = r->crossings.stats.sweep_ms;
+        out->memory_shadow = r->crossings.stats.grid_bytes +
+                             r->crossings.stats.ways_bytes +
+                             r->crossings.stats.lists_bytes + r->nodes_bytes;
+    }
+    out->fit = r->fit;
+    if (r->map)
+        out->cleaned = r->map->cleaned;
+    list_left_out(r, out);
+}

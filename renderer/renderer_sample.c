@@ -1,0 +1,177 @@
+// renderer_sample.c - one sample of the picture, and reading what is summed.
+#include "renderer/renderer_private.h"
+
+#include <string.h>
+
+#include "renderer/gl.h"
+#include "renderer/egl.h"
+#include "renderer/glsl.h"
+#include "renderer/program.h"
+
+static void bind_scene(struct renderer *r, int k)
+{
+    const struct picture_scene scene = {
+        .camera = &r->camera,
+        .strands = &r->strands,
+        .to_map = r->lights.to_map,
+        .mask = r->shading.mask,
+        .share = r->shading.share,
+    };
+    picture_scene(&r->picture, &scene, k);
+    gl.BindBufferBase(GL_UNIFORM_BUFFER, LIGHTS_BINDING, r->lights.block);
+    gl.BindBufferBase(GL_UNIFORM_BUFFER, GLSL_PARAMS_BINDING,
+                      r->shading.params);
+}
+
+// Waits for the GPU without spinning.
+static bool wait_for_gpu(const char *doing, struct error *err)
+{
+    GLsync fence = gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.Flush();
+    const GLuint64 second = 1000000000;
+    GLenum state = GL_TIMEOUT_EXPIRED;
+    for (int i = 0; i < 600 && state == GL_TIMEOUT_EXPIRED; i++)
+        state = gl.ClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, second);
+    gl.DeleteSync(fence);
+    if (state == GL_TIMEOUT_EXPIRED)
+        return error_set(err, "gpu", doing, "%s: the GPU did not answer for "
+                                            "600 s",
+                         doing);
+    return gl_check(doing, err);
+}
+
+// Makes room for the kept transmittances of the first sample's places; false
+// when they are too many for quality.cache_mb or the device.
+static bool nodes_fit(struct renderer *r, uint32_t places)
+{
+    GLint64 limit = 0;
+    gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
+    const uint64_t bytes = 8 * (uint64_t)places *
+                           (uint64_t)r->lights.used;
+    const uint64_t budget = (uint64_t)r->params.quality.cache_mb << 20;
+    if (bytes > budget / 2 || bytes > (uint64_t)limit)
+        return false;
+    if (bytes > r->nodes_bytes) {
+        gl.DeleteBuffers(1, &r->nodes);
+        gl.CreateBuffers(1, &r->nodes);
+        gl.NamedBufferStorage(r->nodes, (GLsizeiptr)bytes, NULL, 0);
+        gl.ObjectLabel(GL_BUFFER, r->nodes, -1, "transmittances");
+        r->nodes_bytes = bytes;
+    }
+    r->nodes_stride = places;
+    return true;
+}
+
+// The transmittances of sample 0, unless they are there already.
+static bool keep_nodes(struct renderer *r, struct error *err)
+{
+    if (!r->shadow_program &&
+        !(r->shadow_program = program_compute("shadow.comp", NULL, err)))
+        return false;
+    timer_begin(&r->timer, RENDERER_SHADOW, "shadow");
+    gl.UseProgram(r->shadow_program);
+    gl.ProgramUniform1ui(r->shadow_program, 2, r->nodes_stride);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, r->strands.position);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, r->strands.strand);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 15, r->nodes);
+    picture_dispatch_lights(&r->picture);
+    timer_end(&r->timer, RENDERER_SHADOW);
+    r->nodes_valid = true;
+    return true;
+}
+
+static bool shade(struct renderer *r, int k, uint32_t places, struct error *err)
+{
+    struct shading_sample how = {.part = k};
+    if (renderer_shadowed(r)) {
+        crossings_bind(&r->crossings, &r->strands);
+        how.stored = k == 0 &&
+                     (r->nodes_valid ||
+                      (nodes_fit(r, places) && keep_nodes(r, err)));
+        how.nodes = r->nodes;
+        how.stride = r->nodes_stride;
+    }
+    timer_begin(&r->timer, RENDERER_SHADE, "shade");
+    if (!shading_bind(&r->shading, &r->strands, &how, err))
+        return false;
+    picture_dispatch(&r->picture);
+    timer_end(&r->timer, RENDERER_SHADE);
+    return true;
+}
+
+bool renderer_sample(struct renderer *r, struct error *err)
+{
+    const int k = r->samples;
+    struct timer *t = &r->timer;
+    bind_scene(r, k);
+    if (picture_must_see(&r->picture, k)) {
+        timer_begin(t, RENDERER_VISIBLE, "visible");
+        if (!picture_see(&r->picture, &r->strands, k, err))
+            return false;
+        timer_end(t, RENDERER_VISIBLE);
+    }
+    picture_prepare(&r->picture, k, r->lights.used);
+    uint32_t places = 0;
+    // how many places there are decides whether their transmittances fit
+    if (k == 0 && renderer_shadowed(r) && !r->nodes_valid) {
+        if (!wait_for_gpu("visible", err))
+            return false;
+        places = picture_counters(&r->picture);
+    }
+    if (!shade(r, k, places, err))
+        return false;
+    timer_begin(t, RENDERER_RESOLVE, "resolve");
+    picture_add(&r->picture);
+    timer_end(t, RENDERER_RESOLVE);
+    if (!wait_for_gpu("sample", err))
+        return false;
+    timer_collect(t, r->stats.stage_ms, RENDERER_STAGES);
+    r->stats.visible_points = picture_counters(&r->picture);
+    r->samples = k + 1;
+    r->stale[RENDERER_SHADOW] = r->stale[RENDERER_SHADE] = false;
+    r->stale[RENDERER_RESOLVE] = false;
+    return true;
+}
+
+// --- reading -----------------------------------------------------------------
+
+bool renderer_read_display(struct renderer *r, struct buf *out,
+                           struct error *err)
+{
+    struct timer *t = &r->timer;
+    buf_clear(out);
+    egl_use(r->egl);
+    if (r->samples == 0)
+        return error_set(err, "state", "image", "nothing is rendered yet");
+    // The parameter block may be older than view.*, which it also holds.
+    float values[512];
+    glsl_params_values(&r->params, values);
+    gl.NamedBufferSubData(r->shading.params, 0, 16 * params_row_count, values);
+    bind_scene(r, r->samples - 1);
+    timer_begin(t, RENDERER_DISPLAY, "display");
+    picture_bind(&r->picture);
+    if (!display_draw(&r->display, &r->params, r->map, r->samples, err))
+        return false;
+    timer_end(t, RENDERER_DISPLAY);
+    if (!wait_for_gpu("display", err))
+        return false;
+    double began = timer_now();
+    display_read(&r->display, out);
+    timer_collect(t, r->stats.stage_ms, RENDERER_STAGES);
+    r->stats.stage_ms[RENDERER_READ] = 1e3 * (timer_now() - began);
+    r->stale[RENDERER_DISPLAY] = r->stale[RENDERER_READ] = false;
+    return true;
+}
+
+bool renderer_read_linear(struct renderer *r, struct buf *out,
+                          struct error *err)
+{
+    buf_clear(out);
+    egl_use(r->egl);
+    if (r->samples == 0)
+        return error_set(err, "state", "image", "nothing is rendered yet");
+    const size_t n = (size_t)r->picture.width * (size_t)r->picture.height;
+    picture_read_sum(&r->picture, (float *)(void *)buf_grow(out, 16 * n),
+                     r->samples);
+    return gl_check("read-back", err);
+}

@@ -1,0 +1,120 @@
+// renderer_setup.c - the stages that prepare what samples read.
+#include "renderer/renderer_private.h"
+
+#include <string.h>
+
+#include "renderer/gl.h"
+
+bool renderer_setup_strands(struct renderer *r, struct error *err)
+{
+    r->grid_stale = true;
+    return strands_build(&r->strands, r->groom, &r->params, err);
+}
+
+bool renderer_setup_sky(struct renderer *r, struct error *err)
+{
+    return sky_fit_run(r->map, r->params.sky.lights,
+                       (enum sky_fit_mode)r->params.sky.fit, r->cache_dir,
+                       &r->fit, err);
+}
+
+bool renderer_setup_light(struct renderer *r, struct error *err)
+{
+    (void)err;
+    r->idle = !lights_put(&r->lights, &r->fit, &r->params);
+    r->directions_stale |= !r->idle;
+    return true;
+}
+
+bool renderer_setup_tint(struct renderer *r, struct error *err)
+{
+    (void)err;
+    lights_tint(&r->lights, &r->fit, &r->params);
+    return true;
+}
+
+bool renderer_shadowed(const struct renderer *r)
+{
+    return r->params.shadow.method != 0 && r->lights.used > 0;
+}
+
+static bool build_grid(struct renderer *r, struct error *err)
+{
+    const struct params *p = &r->params;
+    const struct crossings_options o = {
+        .resolution = p->shadow.resolution,
+        .budget = (uint64_t)p->shadow.memory_mb << 20,
+    };
+    if (!crossings_build_grid(&r->crossings, r->groom, p, &o, err))
+        return false;
+    r->grid_resolution = p->shadow.resolution;
+    r->grid_memory_mb = p->shadow.memory_mb;
+    r->grid_stale = false;
+    r->directions_stale = true;
+    return true;
+}
+
+static bool update_directions(struct renderer *r, struct error *err)
+{
+    struct crossings_light light[LIGHTS_MAX];
+    for (int j = 0; j < r->lights.used; j++) {
+        const struct lights_place *from = &r->lights.place[j];
+        memcpy(light[j].direction, from->direction, sizeof from->direction);
+        light[j].lambda = from->lambda;
+    }
+    r->directions_quality = r->params.shadow.directions;
+    if (!crossings_update(&r->crossings, light, r->lights.used,
+                          (enum crossings_quality)r->directions_quality, err))
+        return false;
+    r->directions_stale = false;
+    r->nodes_valid = false;
+    return true;
+}
+
+// Only what is not so already: a grid for this hair, directions for these
+// lights.
+bool renderer_setup_crossings(struct renderer *r, struct error *err)
+{
+    const struct params *p = &r->params;
+    r->idle = true;
+    if (!renderer_shadowed(r))
+        return true;
+    if (r->grid_stale || r->grid_resolution != p->shadow.resolution ||
+        r->grid_memory_mb != p->shadow.memory_mb) {
+        r->idle = false;
+        if (!build_grid(r, err))
+            return false;
+    }
+    if (r->directions_stale || r->directions_quality != p->shadow.directions) {
+        r->idle = false;
+        if (!update_directions(r, err))
+            return false;
+    }
+    return true;
+}
+
+bool renderer_setup_fibre(struct renderer *r, struct error *err)
+{
+    if (shading_wants_axis(&r->params) &&
+        !strands_build_axis(&r->strands, r->groom, err))
+        return false;
+    shading_update(&r->shading, &r->params, &r->strands, renderer_shadowed(r));
+    return true;
+}
+
+bool renderer_setup_visible(struct renderer *r, struct error *err)
+{
+    const struct params *p = &r->params;
+    struct picture *pic = &r->picture;
+    r->nodes_valid = false;
+    camera_resolve(p, r->strands.box_min, r->strands.box_max, &r->camera);
+    strands_widths(&r->strands, &r->camera,
+                   0.5f * (float)p->image.height / r->camera.tan_half);
+    bool same = pic->width == p->image.width &&
+                pic->height == p->image.height && pic->slots > 0 &&
+                pic->cache_mb == p->quality.cache_mb;
+    if (!same)
+        return picture_resize(pic, p, err);
+    picture_forget(pic);
+    return true;
+}

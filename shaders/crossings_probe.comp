@@ -1,0 +1,43 @@
+#version 450 core
+// Nodes for arrays of points and lights, and what is read from them, by the
+// very functions of a picture.
+#ifdef SHADOW_RAYS
+layout(std430, binding = 0) readonly buffer Points { vec4 points[]; };
+layout(std430, binding = 1) readonly buffer Strands { uint strand_of[]; };
+#endif
+#include "shadow.glsl"
+layout(local_size_x = 64) in;
+layout(location = 0) uniform uvec2 count; // points, lights
+layout(location = 1) uniform vec4 attenuation;
+layout(location = 2) uniform uint rays;
+struct Place { vec3 p; uint segment; vec3 u; uint key; };
+struct Result { uvec2 nodes; float clear, pad; vec4 forward, crossings; };
+layout(std430, binding = 2) readonly buffer Places { Place places[]; };
+layout(std430, binding = 3) writeonly buffer Results { Result results[]; };
+
+void main()
+{
+    uint i = gl_GlobalInvocationID.x;
+    if (i >= count.x)
+        return;
+    Place at = places[i];
+    for (uint j = 0u; j < count.y; j++) {
+        Result r;
+#ifdef GIVEN_NODES // to read from: bits instead of a place
+        r.nodes = uvec2(floatBitsToUint(at.p.x), floatBitsToUint(at.p.y));
+#elif defined SHADOW_RAYS
+        r.nodes =
+            shadow_nodes_rays(j, at.p, at.u, at.segment, at.key, rays);
+#else
+        r.nodes = shadow_nodes(j, at.p, at.u, at.segment, at.key);
+#endif
+        vec4 g = shadow_unpack(r.nodes);
+        r.clear = shadow_clear(g);
+        r.pad = 0.0;
+        for (int k = 0; k < 4; k++) {
+            r.forward[k] = shadow_forward(g, attenuation[k]);
+            r.crossings[k] = shadow_crossings(g, attenuation[k]);
+        }
+        results[i * count.y + j] = r;
+    }
+}

@@ -1,0 +1,87 @@
+// shadow_rays.glsl - rays that count real fibres near a point, before the
+// voxels take over: what shadow_nodes_rays of shadow.glsl is made of.
+// Includers have `points` and `strand_of` as in scene.glsl.
+layout(std430, binding = 12) readonly buffer Starts { uint starts_of[]; };
+layout(std430, binding = 13) readonly buffer Pieces { uint piece_of[]; };
+#ifdef WITH_OPACITY
+layout(std430, binding = 14) readonly buffer Opacities { float opacities[]; };
+#endif
+
+uint shadow_mix(uint x)
+{
+    x ^= x >> 16;
+    x *= 0x7feb352du;
+    x ^= x >> 15;
+    x *= 0x846ca68bu;
+    return x ^ (x >> 16);
+}
+
+// What one fibre counts that begins at point i; 0 when the ray misses it.  A
+// ribbon that faces the ray: the foot of the perpendicular lies on it, nearer
+// than half its diameter.  from, to: the part of the ray that is asked for.
+float shadow_meets(uint i, vec3 p, vec3 w, float from, float to, uint strand)
+{
+    vec4 a = points[i], b = points[i + 1u];
+    vec3 d = a.xyz - p, e = b.xyz - a.xyz;
+    float dw = dot(d, w), ew = dot(e, w);
+    vec3 across = e - ew * w, off = d - dw * w;
+    float t = -dot(off, across) / max(dot(across, across), 1e-30);
+    off += t * across;
+    float far = dw + t * ew, wide = mix(abs(a.w), abs(b.w), t);
+    float least = strand_of[i] == strand ? max(from, 8.0 * wide) : from;
+    bool met = t >= 0.0 && t < 1.0 && far >= least && far < to && far > 0.0 &&
+               4.0 * dot(off, off) < wide * wide;
+#ifdef WITH_OPACITY
+    return met ? mix(opacities[i], opacities[i + 1u], t) : 0.0;
+#else
+    return met ? shadow_texel.w : 0.0;
+#endif
+}
+
+// Fibres crossed from p along w, up to `reach` voxels.  g: p in voxels.  A
+// fibre is listed in every voxel that it touches and counts in the one where
+// the ray meets it.
+float shadow_near(vec3 p, vec3 g, vec3 w, float reach, uint strand)
+{
+    vec3 size = shadow_size.xyz, way = sign(w);
+    vec3 slow = 1.0 / max(abs(w), vec3(1e-6)); // voxels of ray a voxel of axis
+    vec3 cell = clamp(floor(g), vec3(0.0), size - 1.0);
+    vec3 next = (way * (cell - g) + max(way, 0.0)) * slow;
+    next = mix(next, vec3(1e9), equal(way, vec3(0.0)));
+    float voxel = 1.0 / shadow_box.w, from = -1.0, sum = 0.0;
+    float to = min(min(next.x, next.y), min(next.z, reach));
+    uint at = uint(cell.x + size.x * (cell.y + size.y * cell.z));
+    uint i = starts_of[at], end = starts_of[at + 1u];
+    for (;;) {
+        if (i < end) {
+            sum += shadow_meets(piece_of[i], p, w, from * voxel, to * voxel,
+                                strand);
+            i++;
+        }
+        if (i >= end) {
+            from = to;
+            bvec3 cross = lessThanEqual(next, vec3(to));
+            cell += mix(vec3(0.0), way, cross);
+            next += mix(vec3(0.0), slow, cross);
+            if (to >= reach || any(lessThan(cell, vec3(0.0))) ||
+                any(greaterThanEqual(cell, size)))
+                break;
+            to = min(min(next.x, next.y), min(next.z, reach));
+            at = uint(cell.x + size.x * (cell.y + size.y * cell.z));
+            i = starts_of[at];
+            end = starts_of[at + 1u];
+        }
+    }
+    return sum;
+}
+
+// Two unit vectors across z, that depend on nothing else.
+void shadow_frame(vec3 z, out vec3 x, out vec3 y)
+{
+    vec3 a = abs(z);
+    vec3 least = a.x <= a.y && a.x <= a.z ? vec3(1, 0, 0)
+                 : a.y <= a.z             ? vec3(0, 1, 0)
+                                          : vec3(0, 0, 1);
+    x = normalize(cross(least, z));
+    y = cross(z, x);
+}
