@@ -89,7 +89,8 @@ void shoot_lobe_direction(const struct shoot_lobe *lobe, int i, int rays,
                           uint64_t seed, double out[3]);
 
 // Lobe averages from one point.  attenuation: 4 values of the forward
-// attenuation a, 0..1.
+// attenuation a, 0..1; NULL: only transmittance and its deviation are wanted,
+// which is faster, and the other results are NaN.
 void shoot_lobe(const struct shoot *s, const struct shoot_ray *from,
                 const double attenuation[4], int rays, uint64_t seed,
                 struct shoot_lobe *lobe);

@@ -93,7 +93,8 @@ void shoot_lobe(const struct shoot *s, const struct shoot_ray *from,
     const struct frame f = frame_of(lobe, seed);
     const struct shoot_own own = shoot_own(s, from->segment);
     struct shoot_ray ray = *from;
-    struct shoot_walk w = {.want = SHOOT_ALL, .attenuation = attenuation};
+    struct shoot_walk w = {.want = attenuation ? SHOOT_ALL : SHOOT_CLEAR,
+                           .attenuation = attenuation};
     double crossings = 0, sum = 0, sum2 = 0, forward[4] = {0};
     for (int i = 0; i < rays; i++) {
         direction(&f, i, rays, ray.direction);
@@ -108,10 +109,10 @@ void shoot_lobe(const struct shoot *s, const struct shoot_ray *from,
         for (int m = 0; m < 4; m++)
             forward[m] += w.forward[m];
     }
-    lobe->crossings = crossings / rays;
+    lobe->crossings = attenuation ? crossings / rays : NAN;
     lobe->transmittance = sum / rays;
     for (int m = 0; m < 4; m++)
-        lobe->forward[m] = forward[m] / rays;
+        lobe->forward[m] = attenuation ? forward[m] / rays : NAN;
     const double mean = sum / rays;
     lobe->deviation =
         rays < 2 ? INFINITY

@@ -1,4 +1,5 @@
-// shoot_tree.h - the hierarchy that shoot.c walks and shoot_build.c makes.
+// shoot_tree.h - the hierarchy that shoot_walk.c walks: shoot_split.c halves
+// the segments, shoot_build.c makes wide nodes of the halves.
 //
 // All of it is in scene units: world units times a power of two that brings
 // every coordinate into -1..1, so scaling is exact and one absolute margin
@@ -7,15 +8,12 @@
 #ifndef RENDERER_SHOOT_TREE_H
 #define RENDERER_SHOOT_TREE_H
 
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 enum {
-    SHOOT_LANES = 4,      // children of a node, segments of a leaf
-    SHOOT_PARTS = 256,    // a segment's length in parts (see shoot_leaf)
-    SHOOT_STACK = 256,    // entries a walk may need: 3 x depth + 1
-    SHOOT_DEPTH_MAX = 80, // of the tree; the builder keeps to it
+    SHOOT_LANES = 8, // children of a node, segments of a leaf
+    SHOOT_DEPTH = 66 // at most, of any tree
 };
 #define SHOOT_LEAF 0x80000000u // child: this bit + index of a leaf
 #define SHOOT_NONE 0xffffffffu // child: there is none
@@ -28,24 +26,16 @@ enum {
 #define SHOOT_BOX_MARGIN 0x1p-20
 #define SHOOT_REACH_MARGIN 0x1p-18
 
-typedef float shoot_f4 __attribute__((vector_size(16)));
-typedef int32_t shoot_i4 __attribute__((vector_size(16)));
-
-struct shoot_node {
-    shoot_f4 side[2][3]; // [low, high][axis], a lane a child
+struct shoot_node {                // four cache lines
+    float side[2][3][SHOOT_LANES]; // [low, high][axis][child]
     uint32_t child[SHOOT_LANES];
-    uint32_t unused[4]; // to two cache lines
+    uint32_t unused[SHOOT_LANES];
 };
 
-// Whole segments, of which the leaf answers for the stretch from part
-// `from` to `to` of SHOOT_PARTS only: a long segment across the axes lies in
-// several leaves with tight boxes and yet counts once.
-struct shoot_leaf {
-    shoot_f4 a[3], b[3]; // ends: [axis], a lane a segment; NaN: no segment
-    shoot_f4 reach2;     // (the larger radius + margin)^2
-    float radius_a[SHOOT_LANES], radius_b[SHOOT_LANES];
+struct shoot_leaf {                             // four cache lines
+    float a[3][SHOOT_LANES], b[3][SHOOT_LANES]; // ends: [axis][segment]
+    float radius[SHOOT_LANES];     // the larger one; NaN: there is no segment
     uint32_t segment[SHOOT_LANES]; // number of its first point
-    uint16_t from[SHOOT_LANES], to[SHOOT_LANES];
 };
 
 struct shoot_tree {

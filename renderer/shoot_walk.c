@@ -1,5 +1,6 @@
-// shoot_walk.c - one ray through the tree.  Single precision and four at a time
-// where only something may be left out, double precision where it is decided.
+// shoot_walk.c - one ray through the tree.  Single precision and eight at a
+// time where only something may be left out, double precision where it is
+// decided.
 #include "renderer/shoot_walk.h"
 
 #include <math.h>
@@ -15,6 +16,16 @@
 #endif
 // A clone is only as good as what is inside it.
 #define INSIDE static inline __attribute__((always_inline))
+
+// Short loops over axes and lanes: unrolled, which -O2 alone does not.
+#ifdef __clang__
+#define UNROLLED _Pragma("clang loop unroll(full)")
+#else
+#define UNROLLED _Pragma("GCC unroll 8")
+#endif
+
+typedef float f8 __attribute__((vector_size(32)));
+typedef int32_t i8 __attribute__((vector_size(32)));
 
 struct gaze { // a ray in the forms that the tests want; scene units
     double origin[3], direction[3], across[2][3], reach;
@@ -100,61 +111,77 @@ static bool look(const struct shoot *s, const struct shoot_ray *ray,
     return true;
 }
 
-// --- four at a time ----------------------------------------------------------
+// --- eight at a time ---------------------------------------------------------
 
-INSIDE shoot_f4 smaller(shoot_f4 a, shoot_f4 b)
+// Vectors travel by pointer: by value their way of passing differs between
+// processors, and compilers warn of it.
+INSIDE void take_smaller(f8 *a, const f8 *b)
 {
-    shoot_i4 m = a < b;
-    return (shoot_f4)(((shoot_i4)a & m) | ((shoot_i4)b & ~m));
+    const i8 m = *b < *a;
+    *a = (f8)(((i8)*b & m) | ((i8)*a & ~m));
 }
 
-INSIDE shoot_f4 larger(shoot_f4 a, shoot_f4 b)
+INSIDE void take_larger(f8 *a, const f8 *b)
 {
-    shoot_i4 m = a > b;
-    return (shoot_f4)(((shoot_i4)a & m) | ((shoot_i4)b & ~m));
+    const i8 m = *b > *a;
+    *a = (f8)(((i8)*b & m) | ((i8)*a & ~m));
 }
 
-INSIDE unsigned bits(shoot_i4 m)
+INSIDE void load(const float *from, f8 *out)
 {
-#ifdef __SSE__
-    return (unsigned)__builtin_ia32_movmskps((shoot_f4)m);
-#else
-    return (m[0] & 1u) | (m[1] & 2u) | (m[2] & 4u) | (m[3] & 8u);
-#endif
+    memcpy(out, from, sizeof *out);
 }
 
-// Children whose box the ray meets, and where it enters them.
-INSIDE unsigned test_node(const struct shoot_node *n, const struct gaze *g,
-                          shoot_f4 *near)
+// Children whose box the ray meets (-1 or 0), and where it enters them.
+INSIDE void test_node(const struct shoot_node *n, const struct gaze *g,
+                      f8 *near, int32_t hit[SHOOT_LANES])
 {
-    shoot_f4 from = {0, 0, 0, 0}, to = {g->end, g->end, g->end, g->end};
+    const f8 zero = {0};
+    f8 from = zero, to = zero + g->end, t;
+    UNROLLED
     for (int k = 0; k < 3; k++) {
-        from =
-            larger((n->side[g->behind[k]][k] - g->o[k]) * g->inverse[k], from);
-        to = smaller((n->side[1 - g->behind[k]][k] - g->o[k]) * g->inverse[k],
-                     to);
+        load(n->side[g->behind[k]][k], &t);
+        t = (t - g->o[k]) * g->inverse[k];
+        take_larger(&from, &t);
+        load(n->side[1 - g->behind[k]][k], &t);
+        t = (t - g->o[k]) * g->inverse[k];
+        take_smaller(&to, &t);
     }
     *near = from;
     // both distances are right to 3 x 2^-24 of themselves
-    return bits(from <= to * (1 + 0x1p-21f));
+    const i8 met = from <= to * (1 + 0x1p-21f);
+    memcpy(hit, &met, sizeof met);
 }
 
-// Segments nearer to the ray than their radius: all that are, and few others.
-INSIDE unsigned test_leaf(const struct shoot_leaf *l, const struct gaze *g)
+// Segments nearer to the ray than their radius (-1 or 0): all that are, and few
+// others.
+INSIDE void test_leaf(const struct shoot_leaf *l, const struct gaze *g,
+                      int32_t hit[SHOOT_LANES])
 {
-    shoot_f4 p[2] = {{0}}, e[2] = {{0}};
+    f8 p[2] = {{0}}, e[2] = {{0}};
+    UNROLLED
     for (int k = 0; k < 3; k++) {
-        const shoot_f4 to_a = l->a[k] - g->o[k], edge = l->b[k] - l->a[k];
+        f8 a, b;
+        load(l->a[k], &a);
+        load(l->b[k], &b);
+        b -= a;
+        a -= g->o[k];
+        UNROLLED
         for (int i = 0; i < 2; i++) {
-            p[i] += to_a * g->a[i][k];
-            e[i] += edge * g->a[i][k];
+            p[i] += a * g->a[i][k];
+            e[i] += b * g->a[i][k];
         }
     }
-    const shoot_f4 length2 = e[0] * e[0] + e[1] * e[1] + 1e-30f;
-    shoot_f4 u = -(p[0] * e[0] + p[1] * e[1]) / length2;
-    u = larger(smaller(u, (shoot_f4){1, 1, 1, 1}), (shoot_f4){0});
-    const shoot_f4 x = p[0] + u * e[0], y = p[1] + u * e[1];
-    return bits(x * x + y * y <= l->reach2);
+    const f8 zero = {0}, one = zero + 1;
+    f8 u = -(p[0] * e[0] + p[1] * e[1]) / (e[0] * e[0] + e[1] * e[1] + 1e-30f);
+    take_smaller(&u, &one);
+    take_larger(&u, &zero);
+    const f8 x = p[0] + u * e[0], y = p[1] + u * e[1];
+    f8 reach;
+    load(l->radius, &reach);
+    reach += (float)SHOOT_REACH_MARGIN;
+    const i8 met = x * x + y * y <= reach * reach;
+    memcpy(hit, &met, sizeof met);
 }
 
 // --- one segment, decided ----------------------------------------------------
@@ -163,10 +190,11 @@ struct meeting {
     double distance, along; // scene units
 };
 
-INSIDE bool meets(const struct shoot_leaf *l, int lane, const struct gaze *g,
-                  struct meeting *m)
+INSIDE bool meets(const struct shoot *s, const struct shoot_leaf *l,
+                  uint32_t lane, const struct gaze *g, struct meeting *m)
 {
     double q[3], e[3];
+    UNROLLED
     for (int k = 0; k < 3; k++) {
         q[k] = (double)l->a[k][lane] - g->origin[k];
         e[k] = (double)l->b[k][lane] - (double)l->a[k][lane];
@@ -177,18 +205,21 @@ INSIDE bool meets(const struct shoot_leaf *l, int lane, const struct gaze *g,
     if (!(length2 > 1e-20 * dot(e, e)))
         return false; // along the ray
     m->along = -(qx * ex + qy * ey) / length2;
-    const double part = m->along * SHOOT_PARTS;
-    if (!(part >= l->from[lane] && part < l->to[lane]))
-        return false; // beyond its ends, or another leaf's
-    const double a = (double)l->radius_a[lane], b = (double)l->radius_b[lane];
-    const double radius = a + m->along * (b - a);
+    if (!(m->along >= 0 && m->along < 1))
+        return false;
+    const uint32_t segment = l->segment[lane];
+    double radius = (double)l->radius[lane];
+    if (s->tapered) {
+        const float *p = s->point + 4 * (size_t)segment;
+        const double a = (double)p[3] / 2, b = (double)p[7] / 2;
+        radius = a + m->along * (b - a);
+    }
     const double area = qx * ey - qy * ex;
     if (area * area > radius * radius * length2)
         return false;
     m->distance = dot(q, g->direction) + m->along * dot(e, g->direction);
     if (!(m->distance > 0 && m->distance < g->reach))
         return false;
-    const uint32_t segment = l->segment[lane];
     return !(segment >= g->own.begin && segment < g->own.end &&
              m->distance < 16 * radius);
 }
@@ -219,42 +250,107 @@ static void keep_nearest(const struct meeting *m, uint32_t segment,
     set_end(g, m->distance);
 }
 
-INSIDE void visit(const struct shoot *s, const struct shoot_leaf *l,
-                  struct gaze *g, struct shoot_walk *w, enum shoot_want want)
+INSIDE void meet(const struct shoot *s, const struct shoot_leaf *l,
+                 uint32_t lane, struct gaze *g, struct shoot_walk *w)
 {
-    for (unsigned hit = test_leaf(l, g); hit; hit &= hit - 1) {
-        const int lane = __builtin_ctz(hit);
-        struct meeting m;
-        if (!meets(l, lane, g, &m))
-            continue;
-        if (want == SHOOT_FIRST)
-            keep_nearest(&m, l->segment[lane], g, w);
-        else if (s->opacity)
-            pass(s, l->segment[lane], m.along, w);
-        else
-            w->crossings += 1;
-    }
+    struct meeting m;
+    if (!meets(s, l, lane, g, &m))
+        return;
+    if (w->want == SHOOT_FIRST)
+        keep_nearest(&m, l->segment[lane], g, w);
+    else if (s->opacity)
+        pass(s, l->segment[lane], m.along, w);
+    else
+        w->crossings += 1;
 }
 
 // --- the walk ----------------------------------------------------------------
 
-// Everything is to be visited: leaves at once, nodes in any order.
+INSIDE void fetch(const void *four_lines)
+{
+    UNROLLED
+    for (int i = 0; i < 4; i++)
+        __builtin_prefetch((const char *)four_lines + 64 * i);
+}
+
+// Everything is to be visited, in any order.  A walk's time is waiting, for
+// memory and for branches foreseen wrongly: so nodes are taken by the batch,
+// leaves and segments are collected, each asked for before it is looked at, and
+// what a test leaves is kept by adding 0 or 1 to a count.
+enum {
+    BATCH = 8,
+    LEAVES = 32,
+    STACK = BATCH + BATCH * (SHOOT_LANES - 1) * SHOOT_DEPTH
+};
+
+struct pending {
+    uint32_t nodes, leaves;
+    uint32_t leaf[LEAVES + 2 * SHOOT_LANES];
+    uint32_t lane[(LEAVES + 2 * SHOOT_LANES) * SHOOT_LANES]; // of all leaves
+    uint32_t node[STACK + SHOOT_LANES];
+};
+
+INSIDE void drain(const struct shoot *s, struct gaze *g, struct pending *p,
+                  struct shoot_walk *w)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < p->leaves; i++) {
+        int32_t hit[SHOOT_LANES];
+        test_leaf(&s->tree.leaf[p->leaf[i]], g, hit);
+        UNROLLED
+        for (uint32_t k = 0; k < SHOOT_LANES; k++) {
+            p->lane[n] = p->leaf[i] * SHOOT_LANES + k;
+            n -= (uint32_t)hit[k];
+        }
+    }
+    p->leaves = 0;
+    for (uint32_t i = 0; i < n; i++)
+        meet(s, &s->tree.leaf[p->lane[i] / SHOOT_LANES],
+             p->lane[i] % SHOOT_LANES, g, w);
+}
+
+INSIDE void take_node(const struct shoot *s, uint32_t index,
+                      const struct gaze *g, struct pending *p)
+{
+    const struct shoot_node *node = &s->tree.node[index];
+    uint32_t leaves = p->leaves;
+    int32_t hit[SHOOT_LANES];
+    f8 near;
+    test_node(node, g, &near, hit);
+    UNROLLED
+    for (int k = 0; k < SHOOT_LANES; k++) {
+        const uint32_t child = node->child[k], leaf = child >> 31;
+        const uint32_t met = (uint32_t)hit[k] & 1;
+        p->node[p->nodes] = child;
+        p->leaf[p->leaves] = child & ~SHOOT_LEAF;
+        p->nodes += met & ~leaf;
+        p->leaves += met & leaf;
+    }
+    for (; leaves < p->leaves; leaves++)
+        fetch(&s->tree.leaf[p->leaf[leaves]]);
+}
+
 INSIDE void walk_all(const struct shoot *s, struct gaze *g,
                      struct shoot_walk *w)
 {
-    uint32_t stack[SHOOT_STACK], n = 0;
-    stack[n++] = 0;
-    while (n > 0) {
-        const struct shoot_node *node = &s->tree.node[stack[--n]];
-        shoot_f4 near;
-        for (unsigned hit = test_node(node, g, &near); hit; hit &= hit - 1) {
-            const uint32_t child = node->child[__builtin_ctz(hit)];
-            if (child & SHOOT_LEAF)
-                visit(s, &s->tree.leaf[child & ~SHOOT_LEAF], g, w, SHOOT_ALL);
-            else
-                stack[n++] = child;
+    struct pending p;
+    p.node[0] = 0;
+    p.nodes = 1;
+    p.leaves = 0;
+    while (p.nodes > 0) {
+        uint32_t now[BATCH], n = p.nodes < BATCH ? p.nodes : BATCH;
+        p.nodes -= n;
+        for (uint32_t i = 0; i < n; i++) {
+            now[i] = p.node[p.nodes + i];
+            fetch(&s->tree.node[now[i]]);
+        }
+        for (uint32_t i = 0; i < n; i++) {
+            take_node(s, now[i], g, &p);
+            if (p.leaves >= LEAVES)
+                drain(s, g, &p, w);
         }
     }
+    drain(s, g, &p, w);
 }
 
 struct entry {
@@ -262,35 +358,64 @@ struct entry {
     float near;
 };
 
+struct queue { // the nearest last
+    uint32_t entries;
+    struct entry entry[SHOOT_LANES * (SHOOT_DEPTH + 1)];
+};
+
+INSIDE void open_node(const struct shoot_node *node, const struct gaze *g,
+                      struct queue *q)
+{
+    int32_t hit[SHOOT_LANES];
+    f8 near;
+    test_node(node, g, &near, hit);
+    const uint32_t base = q->entries;
+    UNROLLED
+    for (int k = 0; k < SHOOT_LANES; k++) {
+        if (!hit[k])
+            continue;
+        const struct entry e = {node->child[k], near[k]};
+        uint32_t at = q->entries++;
+        for (; at > base && q->entry[at - 1].near < e.near; at--)
+            q->entry[at] = q->entry[at - 1];
+        q->entry[at] = e;
+    }
+}
+
+INSIDE void open_leaf(const struct shoot *s, const struct shoot_leaf *l,
+                      struct gaze *g, struct shoot_walk *w)
+{
+    int32_t hit[SHOOT_LANES];
+    test_leaf(l, g, hit);
+    UNROLLED
+    for (uint32_t k = 0; k < SHOOT_LANES; k++)
+        if (hit[k])
+            meet(s, l, k, g, w);
+}
+
+static bool nothing_passes(const struct shoot *s, const struct shoot_walk *w)
+{
+    return s->opacity ? !(w->transmittance > 0) : w->crossings > 0;
+}
+
 // Near ones first: the walk may end, or what is farther be left out.
 INSIDE void walk_near(const struct shoot *s, struct gaze *g,
-                      struct shoot_walk *w, enum shoot_want want)
+                      struct shoot_walk *w)
 {
-    struct entry stack[SHOOT_STACK];
-    uint32_t n = 0;
-    stack[n++] = (struct entry){0, 0};
-    while (n > 0) {
-        const struct entry top = stack[--n];
+    struct queue q;
+    q.entries = 0;
+    open_node(&s->tree.node[0], g, &q);
+    while (q.entries > 0) {
+        const struct entry top = q.entry[--q.entries];
         if (top.near > g->end)
             continue;
-        if (top.child & SHOOT_LEAF) {
-            visit(s, &s->tree.leaf[top.child & ~SHOOT_LEAF], g, w, want);
-            if (want == SHOOT_CLEAR &&
-                (s->opacity ? !(w->transmittance > 0) : w->crossings > 0))
-                return;
+        if (!(top.child & SHOOT_LEAF)) {
+            open_node(&s->tree.node[top.child], g, &q);
             continue;
         }
-        const struct shoot_node *node = &s->tree.node[top.child];
-        shoot_f4 near;
-        const uint32_t base = n;
-        for (unsigned hit = test_node(node, g, &near); hit; hit &= hit - 1) {
-            const int lane = __builtin_ctz(hit);
-            const struct entry e = {node->child[lane], near[lane]};
-            uint32_t at = n++;
-            for (; at > base && stack[at - 1].near < e.near; at--)
-                stack[at] = stack[at - 1];
-            stack[at] = e;
-        }
+        open_leaf(s, &s->tree.leaf[top.child & ~SHOOT_LEAF], g, w);
+        if (w->want == SHOOT_CLEAR && nothing_passes(s, w))
+            return;
     }
 }
 
@@ -309,12 +434,10 @@ static void settle(const struct shoot *s, struct shoot_walk *w)
 CLONED static void walk(const struct shoot *s, struct gaze *g,
                         struct shoot_walk *w)
 {
-    if (w->want == SHOOT_FIRST)
-        walk_near(s, g, w, SHOOT_FIRST);
-    else if (w->want == SHOOT_CLEAR)
-        walk_near(s, g, w, SHOOT_CLEAR);
-    else
+    if (w->want == SHOOT_ALL)
         walk_all(s, g, w);
+    else
+        walk_near(s, g, w);
 }
 
 void shoot_walk(const struct shoot *s, const struct shoot_ray *ray,

@@ -16,6 +16,7 @@ struct shoot {
     float *point;           // [4 * points] scene units: x, y, z, diameter
     uint32_t *first;        // [strands + 1]
     uint32_t strands, points;
+    bool tapered;    // some segment's two diameters differ
     float *opacity;  // [points], or NULL: all strands are opaque
     double unit;     // scene units per world unit, a power of two
     double diameter; // mean, world

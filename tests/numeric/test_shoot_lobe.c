@@ -182,6 +182,11 @@ static void test_forward(void)
             lobe[k].lambda = exp(uniform(&seed, -3, 0));
         }
         shoot_lobes(s, from, attenuation, 32, (uint64_t)i * LOBES, lobe, LOBES);
+        struct shoot_lobe clear = lobe[7]; // without attenuations: the same
+        shoot_lobe(s, &from[7], NULL, 32, (uint64_t)i * LOBES + 7, &clear);
+        CHECK_NEAR(clear.transmittance, lobe[7].transmittance, 0);
+        CHECK_NEAR(clear.deviation, lobe[7].deviation, 0);
+        CHECK(isnan(clear.crossings) && isnan(clear.forward[3]));
         double sum[4] = {0}, crossings = 0;
         for (int k = 0; k < LOBES; k++) {
             CHECK_NEAR(lobe[k].forward[0], lobe[k].transmittance, 1e-14);
