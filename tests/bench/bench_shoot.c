@@ -1,6 +1,7 @@
 // bench_shoot.c - build time and rays per second of the ray shooter, one JSON
 // line a groom and kind of query.  Not part of make test.
-//   bench_shoot [SOURCE[:DIAMETER] ...]
+//   make build/tests/bench/bench_shoot && build/tests/bench/bench_shoot
+//       [SOURCE[:DIAMETER] ...]
 // The cpu figures are of processor time over all threads: they hold on a busy
 // machine too.  Origins: strand points spread over the groom, each with a lobe
 // of rays in a random direction; all cores this process may use.
