@@ -132,6 +132,9 @@ BENCHES := $(patsubst tests/bench/%.c,$(B)/tests/bench/%,\
 bench-stages: deps
 	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_stages
 	@$(B)/tests/bench/bench_stages $(ARGS)
+bench-encode: deps
+	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_encode
+	@$(B)/tests/bench/bench_encode $(ARGS)
 
 # Pages of the docs that the programs write themselves.
 .PHONY: docs
@@ -139,9 +142,6 @@ docs: all
 	@{ printf '# Parameters\n\nMade by `make docs` from protocol/params.def. '; \
 	    printf 'Set one with `glint set GROUP.NAME=VALUE`.\n\n'; \
 	    $(B)/glint get --markdown; } > docs/PARAMETERS.md
-bench-encode: deps
-	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_encode
-	@$(B)/tests/bench/bench_encode $(ARGS)
 
 # --- house rules ------------------------------------------------------------
 # Includes point down only: tests -> server -> renderer -> protocol.
