@@ -242,6 +242,7 @@ void picture_scene(struct picture *p, const struct picture_scene *s, int k)
     b.size[2] = 0.5f * (float)p->height / c->tan_half;
     b.size[3] = c->near;
     jitter_of(p, k, b.jitter);
+    b.jitter[2] = s->strands->thin_most;
     put3(b.right, c->right, c->tan_half * aspect);
     put3(b.up, c->up, c->tan_half);
     put3(b.forward, c->forward, 1);

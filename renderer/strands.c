@@ -260,6 +260,8 @@ void strands_widths(struct strands *s, const struct camera *c, float scale)
     // a margin of 1 %: float rounding must not lose a segment between the two
     nearest = fmaxf(nearest, c->near);
     s->draw_wide = s->diameter_max * scale / nearest >= 0.99f * threshold;
+    // a line's slope makes at most sqrt 2 of it (visible.vert)
+    s->thin_most = 1.01f * sqrtf(2) * s->diameter_max * scale / nearest;
     s->draw_thin =
         s->diameter_min * scale / fmaxf(farthest, c->near) < 1.01f * threshold;
 }

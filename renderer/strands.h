@@ -22,6 +22,7 @@ struct strands { // zero-initialised is empty
     float diameter_min, diameter_max; // world
     float plain_colour[4]; // rgb and opacity where there is no array
     bool draw_thin, draw_wide; // set by strands_widths
+    float thin_most; // largest share of samples that keep a thin strand
     int up;         // axis taken as up
     float box_min[3], box_max[3]; // world, the head included
     bool has_head;

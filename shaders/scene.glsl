@@ -6,7 +6,8 @@ layout(std140, binding = 1) uniform Scene {
     mat4 view_proj;     // unjittered
     vec4 eye;           // xyz
     vec4 size;          // width, height in pixels; pixels per radian-tangent; near
-    vec4 jitter;        // of this sample, in clip units: x, y
+    vec4 jitter;        // of this sample, in clip units: x, y; z: the largest
+                        // share of samples in which a thin strand is kept
     vec4 right;         // camera axes scaled to the picture's edge
     vec4 up;
     vec4 forward;

@@ -33,8 +33,13 @@ void main()
 #endif
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // clipped away
     along = end ? 1.0 : 0.0;
-    keep = drawn = 0.0;
+    keep = 0.0;
     segment = i;
+    drawn = keep_draw(strand_of[i], sample_index.x);
+#ifndef WIDE
+    if (drawn >= jitter.z)
+        return; // no strand of this groom is wide enough to be kept
+#endif
     vec4 p0 = points[i];
     if (p0.w < 0.0)
         return; // a strand's last point begins no segment
@@ -61,7 +66,6 @@ void main()
     share *= min(width * slope, 1.0);
 #endif
     keep = end ? share.y : share.x;
-    drawn = keep_draw(strand_of[i], sample_index.x);
     if (drawn >= max(share.x, share.y))
         return; // no fragment of it would be kept
 #ifdef WIDE
