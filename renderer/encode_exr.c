@@ -157,8 +157,7 @@ static void point_at(exr_encode_pipeline_t *pipe, struct job *j, int y)
 
 // A chunk as long as its pixels is taken by every reader for one that was left
 // uncompressed.  The library does leave it so when zlib makes it longer, but
-// not when it comes out equal (mended in 2026, OpenEXR's issue 2306): such a
-// chunk would be read as garbage.
+// (until 2026) not when it comes out equal: such a chunk is read as garbage.
 static exr_result_t compress(exr_encode_pipeline_t *pipe)
 {
     const struct job *j = pipe->encoding_user_data;
