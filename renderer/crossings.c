@@ -20,8 +20,11 @@
 static const uint64_t scratch_most = 32u << 20;
 // From where a lookup begins, in voxels along the way: nearer, the voxels hold
 // the strand itself and what is beside it.
-static const float start_voxels = 0.5f;
+static const float start_voxels = 0.7f;
 static const int usual_ways = 210;
+#ifndef CELLS
+enum { CELLS = 2 }; // of the lists, a voxel along an axis
+#endif
 // How far rays count real fibres, in voxels.
 static const float ray_voxels = 2;
 
@@ -150,8 +153,8 @@ static void choose_box(struct crossings *c, const float low[3],
     for (int k = 0; k < 3; k++) {
         int n = (int)ceilf((high[k] - low[k]) / c->voxel) + 2;
         c->size[k] = (n + 3) / 4 * 4;
-        c->box_min[k] = 0.5f * (low[k] + high[k]) -
-                        0.5f * c->voxel * (float)c->size[k];
+        c->box_min[k] =
+            0.5f * (low[k] + high[k]) - 0.5f * c->voxel * (float)c->size[k];
     }
     c->stats.resolution = resolution;
     memcpy(c->stats.size, c->size, sizeof c->size);
@@ -203,8 +206,8 @@ static bool choose_resolution(struct crossings *c, const float low[3],
                      c->size[Y], c->size[Z],
                      c->options.ways > 0 ? c->options.ways : usual_ways,
                      (unsigned long long)(32 + (uint64_t)(c->options.ways > 0
-                                                  ? c->options.ways
-                                                  : usual_ways)) *
+                                                              ? c->options.ways
+                                                              : usual_ways)) *
                          (unsigned long long)voxels_of(c));
 }
 
@@ -220,7 +223,6 @@ static void take_head(struct crossings *c, const struct groom *g,
         c->block->inverse[k] = there ? 1 / radius[k] : 1;
     }
     c->block->head[3] = there;
-    c->block->inverse[3] = ray_voxels;
 }
 
 static void upload_tensor(struct crossings *c, float *const tensor[2])
@@ -252,7 +254,7 @@ bool crossings_build_grid(struct crossings *c, const struct groom *g,
         return false;
     for (int i = 0; i < 2; i++)
         tensor[i] = bytes_zalloc(4 * (size_t)voxels_of(c), sizeof(float));
-    crossings_grid_hair(&hair, c, g, p);
+    crossings_grid_hair(&hair, c->box_min, c->voxel, g, p);
     crossings_grid_splat(&hair, c->size, tensor);
     crossings_grid_hair_finish(&hair);
     upload_tensor(c, tensor);
@@ -274,31 +276,42 @@ bool crossings_build_lists(struct crossings *c, const struct groom *g,
                            const struct params *p, struct error *err)
 {
     const double began = timer_now();
-    const uint64_t voxels = voxels_of(c);
+    const int fine = CELLS;
+    const int size[3] = {fine * c->size[X], fine * c->size[Y],
+                         fine * c->size[Z]};
+    const uint64_t cells =
+        (uint64_t)fine * (uint64_t)fine * (uint64_t)fine * voxels_of(c);
     GLint64 block = 0;
     gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &block);
-    uint64_t most = (uint64_t)block / 4;
+    uint64_t most = (uint64_t)block / 4 - 1;
     if (most > UINT32_MAX)
         most = UINT32_MAX;
     struct crossings_hair hair;
-    uint32_t *pieces = NULL;
-    uint32_t *starts = bytes_zalloc((size_t)voxels + 1, sizeof *starts);
+    uint32_t *pieces = NULL, *starts = NULL;
     forget_lists(c);
-    crossings_grid_hair(&hair, c, g, p);
-    bool ok = 4 * (voxels + 1) <= (uint64_t)block &&
-              crossings_lists_make(&hair, c->size, most, starts, &pieces);
-    crossings_grid_hair_finish(&hair);
+    bool ok = cells <= most;
     if (ok) {
-        const size_t count = starts[voxels];
+        starts = bytes_zalloc((size_t)cells + 1, sizeof *starts);
+        crossings_grid_hair(&hair, c->box_min, c->voxel / (float)fine, g, p);
+        ok = crossings_lists_make(&hair, size, most, starts, &pieces);
+        crossings_grid_hair_finish(&hair);
+    }
+    if (ok) {
+        const size_t count = starts[cells];
         gl.CreateBuffers(1, &c->starts);
         gl.CreateBuffers(1, &c->pieces);
-        gl.NamedBufferStorage(c->starts, (GLsizeiptr)(4 * (voxels + 1)), starts,
+        gl.NamedBufferStorage(c->starts, (GLsizeiptr)(4 * (cells + 1)), starts,
                               0);
         gl.NamedBufferStorage(c->pieces, (GLsizeiptr)(4 * (count + 1)), pieces,
                               0);
-        gl.ObjectLabel(GL_BUFFER, c->starts, -1, "crossings voxels");
+        gl.ObjectLabel(GL_BUFFER, c->starts, -1, "crossings cells");
         gl.ObjectLabel(GL_BUFFER, c->pieces, -1, "crossings pieces");
-        c->stats.lists_bytes = 4 * (voxels + 2 + count);
+        c->stats.lists_bytes = 4 * (cells + 2 + count);
+        for (int k = 0; k < 3; k++)
+            c->block->cells[k] = (float)size[k];
+        c->block->cells[3] = (float)fine;
+        c->block->inverse[3] = ray_voxels * (float)fine;
+        gl.NamedBufferSubData(c->uniform, 0, sizeof *c->block, c->block);
         c->stats.lists_ms = 1e3 * (timer_now() - began);
     }
     free(starts);
@@ -306,10 +319,9 @@ bool crossings_build_lists(struct crossings *c, const struct groom *g,
     return ok ? gl_check("the shadows' lists", err)
               : error_set(err, "limit", "shadow",
                           "shadows: lists of the segments near each of %d x %d "
-                          "x %d voxels are larger than the %lld bytes that "
-                          "this device allows a buffer",
-                          c->size[X], c->size[Y], c->size[Z],
-                          (long long)block);
+                          "x %d cells are larger than the %lld bytes that this "
+                          "device allows a buffer",
+                          size[X], size[Y], size[Z], (long long)block);
 }
 
 // --- directions --------------------------------------------------------------
@@ -453,8 +465,8 @@ static void send_ways(struct crossings *c, const struct group *g, int begin,
             way[i].d[k] = d[order[g->axis][k]];
         way[i].tile = (uint32_t)i * words;
     }
-    gl.NamedBufferSubData(c->ways, 0,
-                          (GLsizeiptr)((size_t)count * sizeof *way), way);
+    gl.NamedBufferSubData(c->ways, 0, (GLsizeiptr)((size_t)count * sizeof *way),
+                          way);
 }
 
 static void set_sizes(const struct crossings *c, int axis)

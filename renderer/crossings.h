@@ -60,11 +60,11 @@ struct crossings_options {
 };
 
 struct crossings_stats {
-    int resolution;         // in use; below what was asked where memory ends
-    int size[3];            // voxels
+    int resolution; // in use; below what was asked where memory ends
+    int size[3];    // voxels
     int lights, ways;
-    float ways_per_light;   // share of what the quality asks for: < 1 where the
-                            // budget made it coarser
+    float ways_per_light; // share of what the quality asks for: < 1 where the
+                          // budget made it coarser
     double grid_ms, lists_ms; // wall time of the last build
     double sweep_ms;          // on the GPU, of the last update
     uint64_t grid_bytes, ways_bytes, lists_bytes, scratch_bytes;
@@ -81,7 +81,7 @@ struct crossings { // zero-initialised is empty; all fields are private
     unsigned atlas;     // 3-D texture: a tile a direction
     int tiles[3];       // tiles of the atlas along x, y, z
     unsigned uniform;   // buffer
-    unsigned starts, pieces; // buffers, 0 until crossings_build_lists
+    unsigned starts, pieces;        // buffers, 0 until crossings_build_lists
     unsigned ways, state, bytes[2]; // scratch: directions of a group, the
                                     // slice at hand, finished tiles
     unsigned before;                // `state` as a texture
@@ -99,8 +99,7 @@ void crossings_finish(struct crossings *c); // a zeroed one is allowed
 // grid of the least resolution.
 bool crossings_build_grid(struct crossings *c, const struct groom *g,
                           const struct params *p,
-                          const struct crossings_options *o,
-                          struct error *err);
+                          const struct crossings_options *o, struct error *err);
 
 // When the lights' places or widths changed (not their colours).  At most
 // CROSSINGS_LIGHTS_MAX.  Takes fewer directions where the budget or the device

@@ -13,11 +13,12 @@
 
 enum { SLABS = 2 }; // one thread each
 
-void crossings_grid_hair(struct crossings_hair *h, const struct crossings *c,
-                         const struct groom *g, const struct params *p)
+void crossings_grid_hair(struct crossings_hair *h, const float corner[3],
+                         float unit, const struct groom *g,
+                         const struct params *p)
 {
     const bool varies = place_diameter_varies(g, p);
-    const float inverse = 1 / c->voxel;
+    const float inverse = 1 / unit;
     float d = varies ? 0 : place_diameter(g, p, 0);
     h->first = g->first;
     h->strands = g->strands;
@@ -28,7 +29,7 @@ void crossings_grid_hair(struct crossings_hair *h, const struct crossings *c,
         float *out = h->at + 4 * (size_t)i;
         place_point(g, p, i, out);
         for (int k = 0; k < 3; k++)
-            out[k] = (out[k] - c->box_min[k]) * inverse;
+            out[k] = (out[k] - corner[k]) * inverse;
         if (varies)
             d = place_diameter(g, p, i);
         out[3] = place_width(p, d) * inverse;

@@ -1,4 +1,4 @@
-// crossings_lists.c - for each voxel the segments that touch it, as wide as
+// crossings_lists.c - for each cell the segments that touch it, as wide as
 // they are.  Two passes, counting and filling.
 #include "renderer/crossings_private.h"
 
@@ -9,16 +9,16 @@
 #include "protocol/bytes.h"
 
 struct box {
-    int low[3], high[3]; // voxels, both included
+    int low[3], high[3]; // cells, both included
 };
 
-// Does the segment a, b touch the voxel grown by r?
-static bool touches(const float a[3], const float b[3], const int voxel[3],
+// Does the segment a, b touch the cell grown by r?
+static bool touches(const float a[3], const float b[3], const int cell[3],
                     float r)
 {
     float from = 0, to = 1;
     for (int k = 0; k < 3; k++) {
-        const float low = (float)voxel[k] - r, high = (float)voxel[k] + 1 + r;
+        const float low = (float)cell[k] - r, high = (float)cell[k] + 1 + r;
         const float d = b[k] - a[k];
         if (fabsf(d) < 1e-12f) {
             if (a[k] < low || a[k] > high)
@@ -46,8 +46,8 @@ static struct box box_of(const float a[3], const float b[3], float r,
     return x;
 }
 
-// Adds segment i to counts[voxel], or puts it where counts[voxel] says.
-// Returns in how many voxels it is.
+// Adds segment i to counts[cell], or puts it where counts[cell] says.
+// Returns in how many cells it is.
 static uint32_t place(const struct crossings_hair *h, uint32_t i,
                       const int size[3], uint32_t *counts, uint32_t *pieces)
 {
@@ -89,12 +89,12 @@ static bool pass(const struct crossings_hair *h, const int size[3],
 bool crossings_lists_make(const struct crossings_hair *h, const int size[3],
                           uint64_t most, uint32_t *starts, uint32_t **pieces)
 {
-    const size_t voxels = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
+    const size_t cells = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
     if (!pass(h, size, most, starts, NULL))
         return false;
     uint32_t sum = 0;
-    for (size_t i = 0; i <= voxels; i++) {
-        const uint32_t n = i < voxels ? starts[i] : 0;
+    for (size_t i = 0; i <= cells; i++) {
+        const uint32_t n = i < cells ? starts[i] : 0;
         starts[i] = sum;
         sum += n;
     }
@@ -102,7 +102,7 @@ bool crossings_lists_make(const struct crossings_hair *h, const int size[3],
     (*pieces)[sum] = 0;
     pass(h, size, most, starts, *pieces);
     // each now holds where the next begins
-    memmove(starts + 1, starts, voxels * sizeof *starts);
+    memmove(starts + 1, starts, cells * sizeof *starts);
     starts[0] = 0;
     return true;
 }

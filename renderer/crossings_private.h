@@ -7,11 +7,12 @@
 
 // The uniform block of shadow.glsl, std140.
 struct crossings_block {
-    float box[4];    // corner of the grid; 1 / voxel
-    float size[4];   // voxels; the start of a lookup, in voxels
-    float texel[4];  // 1 / atlas size; opacity where there is no array
-    float head[4];   // centre; 1 where there is a head
-    float inverse[4]; // 1 / radius; reach of rays in voxels
+    float box[4];     // corner of the grid; 1 / voxel
+    float size[4];    // voxels; the start of a lookup, in voxels
+    float texel[4];   // 1 / atlas size; opacity where there is no array
+    float head[4];    // centre; 1 where there is a head
+    float inverse[4]; // 1 / radius; reach of rays in cells
+    float cells[4];   // of the lists; cells a voxel, along an axis
     uint32_t light[CROSSINGS_LIGHTS_MAX][4]; // first way, ways; float bits:
                                              // lambda, width of a way's share
     float centre[CROSSINGS_LIGHTS_MAX][4];
@@ -25,15 +26,17 @@ struct crossings_hair { // a groom in the grid's frame: voxels from its corner
     float *at;      // [4 * points]: position, diameter, all in voxels
     float *opacity; // [points], or NULL
 };
-void crossings_grid_hair(struct crossings_hair *h, const struct crossings *c,
-                         const struct groom *g, const struct params *p);
+// unit: of the world, that becomes 1.
+void crossings_grid_hair(struct crossings_hair *h, const float corner[3],
+                         float unit, const struct groom *g,
+                         const struct params *p);
 void crossings_grid_hair_finish(struct crossings_hair *h);
 // tensor: 2 x 4 floats a voxel, x fastest, in two arrays; rho in 1 / voxel.
 void crossings_grid_splat(const struct crossings_hair *h, const int size[3],
                           float *const tensor[2]);
 
 // --- crossings_lists.c: which segments are near
-// starts: one more than voxels; *pieces: malloced, starts[voxels] of them, the
+// starts: one more than cells; *pieces: malloced, starts[cells] of them, the
 // point numbers at which segments begin.  False when they are more than
 // `most`.
 bool crossings_lists_make(const struct crossings_hair *h, const int size[3],

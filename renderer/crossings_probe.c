@@ -29,8 +29,8 @@ bool crossings_probe(const struct crossings_probe_run *run,
                  run->strands->opacity ? " WITH_OPACITY" : "");
     if (run->given_nodes)
         snprintf(defines, sizeof defines, "GIVEN_NODES");
-    const GLuint program = program_compute("crossings_probe.comp", defines,
-                                           err);
+    const GLuint program =
+        program_compute("crossings_probe.comp", defines, err);
     if (!program)
         return false;
     const size_t size =
@@ -51,7 +51,7 @@ bool crossings_probe(const struct crossings_probe_run *run,
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, in);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, out);
     gl.UseProgram(program);
-    gl.DispatchCompute((GLuint)(count + GROUP - 1) / GROUP, 1, 1);
+    gl.DispatchCompute((GLuint)(count + GROUP - 1) / GROUP, (GLuint)lights, 1);
     gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl.GetNamedBufferSubData(out, 0, (GLsizeiptr)size, results);
     gl.DeleteBuffers(1, &in);

@@ -13,9 +13,9 @@ struct crossings_place { // std430
     uint32_t key;        // seeds the rays
 };
 
-struct crossings_result { // std430
-    uint32_t nodes[2];    // as shadow_nodes packs them
-    float clear, pad;     // T~
+struct crossings_result {           // std430
+    uint32_t nodes[2];              // as shadow_nodes packs them
+    float clear, pad;               // T~
     float forward[4], crossings[4]; // for each attenuation
 };
 

@@ -21,23 +21,24 @@ void main()
     if (i >= count.x)
         return;
     Place at = places[i];
-    for (uint j = 0u; j < count.y; j++) {
-        Result r;
+    // A light an invocation, not a loop over lights: some drivers end loops
+    // that take more than 65535 turns in all, rays are many.
+    uint j = gl_WorkGroupID.y;
+    Result r;
 #ifdef GIVEN_NODES // to read from: bits instead of a place
-        r.nodes = uvec2(floatBitsToUint(at.p.x), floatBitsToUint(at.p.y));
+    r.nodes = uvec2(floatBitsToUint(at.p.x), floatBitsToUint(at.p.y));
 #elif defined SHADOW_RAYS
-        r.nodes =
-            shadow_nodes_rays(j, at.p, at.u, at.segment, at.key, rays);
+    r.nodes = shadow_nodes_rays(j, at.p, at.u, at.segment, at.key, rays);
 #else
-        r.nodes = shadow_nodes(j, at.p, at.u, at.segment, at.key);
+    r.nodes = shadow_nodes(j, at.p, at.u, at.segment, at.key);
 #endif
-        vec4 g = shadow_unpack(r.nodes);
-        r.clear = shadow_clear(g);
-        r.pad = 0.0;
-        for (int k = 0; k < 4; k++) {
-            r.forward[k] = shadow_forward(g, attenuation[k]);
-            r.crossings[k] = shadow_crossings(g, attenuation[k]);
-        }
-        results[i * count.y + j] = r;
-    }
+    vec4 g = shadow_unpack(r.nodes);
+    ShadowLaw law = shadow_law(g);
+    r.clear = shadow_clear(g);
+    r.pad = 0.0;
+    r.forward = vec4(shadow_forward(law, attenuation.xyz),
+                     shadow_forward(law, attenuation.www).x);
+    r.crossings = vec4(shadow_crossings(law, attenuation.xyz),
+                       shadow_crossings(law, attenuation.www).x);
+    results[i * count.y + j] = r;
 }

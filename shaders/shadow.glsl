@@ -1,14 +1,18 @@
 // shadow.glsl - what of a light's lobe reaches a point through the hair.
 //
-// Four numbers stand for it, G(s) = mean over the lobe of exp(-s n), n the
-// number of fibres crossed, at s = 1, .6, .25, .05: E[a^N] of a Poisson number
-// N of crossings is G(1 - a).  They depend on the hair and the lights' places
-// alone.
-//   shadow_nodes         the four numbers, packed
+// Four numbers stand for it, the nodes: G(s) = mean over the lobe of
+// exp(-s n), n the number of fibres crossed, at s = 1, .3, .05 and 0, where
+// what the head hides counts nothing.  E[a^N] of a Poisson number N of
+// crossings is G(1 - a), so G(0) is what an unshaded head of hair would get.
+// They depend on the hair and the lights' places alone.
+//   shadow_nodes         the nodes, packed
 //   shadow_nodes_rays    the same with rays against the nearest fibres (with
-//                        SHADOW_RAYS defined, for pictures at rest)
+//                        SHADOW_RAYS defined, for pictures at rest).  A light
+//                        an invocation: all lights in one would be a loop of
+//                        more turns than some drivers finish (65535)
 //   shadow_unpack        and unpacked
-//   shadow_clear, shadow_forward, shadow_crossings   what is read from them
+//   shadow_law           from nodes to G at any s, and from it
+//   shadow_clear, shadow_forward, shadow_crossings
 // C side: renderer/crossings.h.
 #include "shadow_fall.glsl"
 
@@ -18,7 +22,8 @@ layout(std140, binding = 5) uniform Crossings {
     vec4 shadow_size;    // voxels; the start of a lookup, in voxels
     vec4 shadow_texel;   // 1 / atlas size; opacity of all strands
     vec4 shadow_head;    // centre; w = 1 where there is a head
-    vec4 shadow_inverse; // 1 / the head's radii; reach of rays, voxels
+    vec4 shadow_inverse; // 1 / the head's radii; reach of rays, cells
+    vec4 shadow_cells;   // of the lists of fibres; cells a voxel
     uvec4 shadow_light[SHADOW_LIGHTS]; // first way, ways; lambda, a way's width
     vec4 shadow_centre[SHADOW_LIGHTS]; // of the lobe
     vec4 shadow_way[2u * SHADOW_WAYS]; // direction; the tile's corner
@@ -50,11 +55,11 @@ float shadow_far(vec3 g, uint way)
     return SHADOW_ROOT(q);
 }
 
-// The four powers of x = exp(-n / 20): exp(-s n), s = 1, .6, .25, .05.
+// The nodes of one way: powers of x = exp(-n / 20).
 vec4 shadow_powers(float x)
 {
-    float x2 = x * x, x4 = x2 * x2, x5 = x4 * x, x10 = x5 * x5;
-    return vec4(x10 * x10, x10 * x2, x5, x);
+    float x2 = x * x, x4 = x2 * x2, x10 = x4 * x4 * x2;
+    return vec4(x10 * x10, x4 * x2, x, 1.0);
 }
 
 uvec2 shadow_pack(vec4 g)
@@ -100,8 +105,8 @@ vec3 shadow_direction(vec3 z, float lambda, uint i, uint n, vec2 shift)
     return normalize(z + (sine * (cos(phi) * x + sin(phi) * y) - lack * z));
 }
 
-// `rays` (1 to 16) of them, spread over the lobe by a place's key.  Beyond
-// shadow_inverse.w voxels a ray reads the way of the light that is nearest.
+// `rays` (1 to 16) of them, spread over the lobe by a place's key.  Where
+// they end each reads the way of the light that is nearest.
 uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
                         uint rays)
 {
@@ -126,13 +131,40 @@ uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
             best = max(best, c);
         }
         float open = shadow_head.w > 0.0 ? shadow_past_head(o, w, wide) : 1.0;
-        float n = shadow_near(p, g, w, reach, strand);
-        float x = shadow_far(g + reach * w, way) * exp(-0.05 * n);
+        float end = reach; // how far fibres were counted, in cells
+        float n = shadow_near(p, g * shadow_cells.w, w, strand, end);
+        float x = shadow_far(g + (end / shadow_cells.w) * w, way);
+        x *= exp(-0.05 * n);
         sum += open * shadow_powers(x);
     }
     return shadow_pack(sum / float(max(rays, 1u)));
 }
 #endif
+
+// G between its nodes: G(s) = open exp(-s / R(s)), R the parabola through what
+// the nodes make of it.  Exact where all ways cross equally many fibres.
+struct ShadowLaw {
+    vec3 r;      // R = r.x + s (r.y + s r.z)
+    vec2 bounds; // of R
+    float open;  // G(0)
+    float clear; // G(1)
+};
+
+ShadowLaw shadow_law(vec4 g)
+{
+    const float least = 7e-6; // half of what a node can hold
+    vec3 log_g = log(max(g.xyz, vec3(least)));
+    vec3 fall = log(max(g.w, least)) - log_g;
+    vec3 R = vec3(1.0, 0.3, 0.05) / max(fall, vec3(1e-6));
+    ShadowLaw l;
+    l.r = R.x * (1.0 / 0.665) * vec3(0.015, -0.35, 1.0) -
+          R.y * (1.0 / 0.175) * vec3(0.05, -1.05, 1.0) +
+          R.z * (1.0 / 0.2375) * vec3(0.3, -1.3, 1.0);
+    l.bounds = vec2(0.25 * R.z, max(R.x, R.z));
+    l.open = g.w;
+    l.clear = g.x;
+    return l;
+}
 
 // T~: the share that meets no fibre at all.
 float shadow_clear(vec4 g)
@@ -140,33 +172,27 @@ float shadow_clear(vec4 g)
     return g.x;
 }
 
-// The Laplace exponent L(s) = -ln G(s) and its slope: q = L/s interpolated
-// through the four nodes by Lagrange's cubic.  g > 0.
-vec2 shadow_exponent(vec4 g, float s)
+// About as many fibres as are crossed where the head hides nothing; at most
+// 220.
+float shadow_mean(vec4 g)
 {
-    const vec4 at = vec4(1.0, 0.6, 0.25, 0.05);
-    // products of the nodes' distances from one another
-    const vec4 apart = vec4(0.4 * 0.75 * 0.95, -0.4 * 0.35 * 0.55,
-                            0.75 * 0.35 * 0.2, -0.95 * 0.55 * 0.2);
-    vec4 q = -log(max(g, vec4(7e-6))) / (at * apart), d = s - at;
-    vec2 a = vec2(d.x * d.y, d.x + d.y), b = vec2(d.z * d.w, d.z + d.w);
-    float value = dot(q.xy, d.yx) * b.x + dot(q.zw, d.wz) * a.x;
-    float slope = (q.x + q.y) * b.x + dot(q.xy, d.yx) * b.y +
-                  (q.z + q.w) * a.x + dot(q.zw, d.wz) * a.y;
-    return vec2(s * value, value + s * slope);
+    return 20.0 * log(max(g.w, 2e-5) / max(g.z, 2e-5));
 }
 
-// T_f: E[a^N], forward attenuation a.
-float shadow_forward(vec4 g, float a)
+// T_f: E[a^N] for three forward attenuations, 0 to 1.  Between T~ and G(0).
+vec3 shadow_forward(ShadowLaw l, vec3 a)
 {
-    float s = clamp(1.0 - a, 0.0, 1.0);
-    float t = exp(-max(shadow_exponent(g, s).x, 0.0));
-    return g.w > 0.0 ? clamp(t, g.x, 1.0) : 0.0;
+    vec3 s = clamp(1.0 - a, 0.0, 1.0);
+    vec3 R = clamp(l.r.x + s * (l.r.y + s * l.r.z), l.bounds.x, l.bounds.y);
+    return clamp(l.open * exp(-s / R), l.clear, l.open);
 }
 
-// Mean number of crossings of the light that comes through, a L'(s).
-float shadow_crossings(vec4 g, float a)
+// Mean number of crossings of the light that comes through: a d/ds of
+// -ln G.  0 where none comes.
+vec3 shadow_crossings(ShadowLaw l, vec3 a)
 {
-    float s = clamp(1.0 - a, 0.0, 1.0);
-    return g.w > 0.0 ? (1.0 - s) * max(shadow_exponent(g, s).y, 0.0) : 0.0;
+    vec3 s = clamp(1.0 - a, 0.0, 1.0);
+    vec3 R = clamp(l.r.x + s * (l.r.y + s * l.r.z), l.bounds.x, l.bounds.y);
+    vec3 rest = R - s * (l.r.y + 2.0 * s * l.r.z);
+    return l.open > 0.0 ? (1.0 - s) * max(rest, 0.0) / (R * R) : vec3(0.0);
 }

@@ -38,23 +38,25 @@ float shadow_meets(uint i, vec3 p, vec3 w, float from, float to, uint strand)
 #endif
 }
 
-// Fibres crossed from p along w, up to `reach` voxels.  g: p in voxels.  A
-// fibre is listed in every voxel that it touches and counts in the one where
-// the ray meets it.
-float shadow_near(vec3 p, vec3 g, vec3 w, float reach, uint strand)
+// Fibres crossed from p along w, up to `reach` cells; where they are already
+// many it stops sooner, and reach becomes how far it came: what is left of the
+// light there need not be known so well.  g: p in cells.  A fibre is listed in
+// every cell that it touches and counts in the one where the ray meets it.
+const float SHADOW_MANY = 6.0;
+float shadow_near(vec3 p, vec3 g, vec3 w, uint strand, inout float reach)
 {
-    vec3 size = shadow_size.xyz, way = sign(w);
-    vec3 slow = 1.0 / max(abs(w), vec3(1e-6)); // voxels of ray a voxel of axis
+    vec3 size = shadow_cells.xyz, way = sign(w);
+    vec3 slow = 1.0 / max(abs(w), vec3(1e-6)); // cells of ray a cell of axis
     vec3 cell = clamp(floor(g), vec3(0.0), size - 1.0);
     vec3 next = (way * (cell - g) + max(way, 0.0)) * slow;
     next = mix(next, vec3(1e9), equal(way, vec3(0.0)));
-    float voxel = 1.0 / shadow_box.w, from = -1.0, sum = 0.0;
+    float unit = 1.0 / (shadow_box.w * shadow_cells.w), from = -1.0, sum = 0.0;
     float to = min(min(next.x, next.y), min(next.z, reach));
     uint at = uint(cell.x + size.x * (cell.y + size.y * cell.z));
     uint i = starts_of[at], end = starts_of[at + 1u];
     for (;;) {
         if (i < end) {
-            sum += shadow_meets(piece_of[i], p, w, from * voxel, to * voxel,
+            sum += shadow_meets(piece_of[i], p, w, from * unit, to * unit,
                                 strand);
             i++;
         }
@@ -63,7 +65,8 @@ float shadow_near(vec3 p, vec3 g, vec3 w, float reach, uint strand)
             bvec3 cross = lessThanEqual(next, vec3(to));
             cell += mix(vec3(0.0), way, cross);
             next += mix(vec3(0.0), slow, cross);
-            if (to >= reach || any(lessThan(cell, vec3(0.0))) ||
+            if (to >= reach || sum >= SHADOW_MANY ||
+                any(lessThan(cell, vec3(0.0))) ||
                 any(greaterThanEqual(cell, size)))
                 break;
             to = min(min(next.x, next.y), min(next.z, reach));
@@ -72,6 +75,7 @@ float shadow_near(vec3 p, vec3 g, vec3 w, float reach, uint strand)
             end = starts_of[at + 1u];
         }
     }
+    reach = sum >= SHADOW_MANY ? from : reach;
     return sum;
 }
 
