@@ -398,7 +398,8 @@ static void fill_block(struct crossings *c, const struct crossings_light *l)
 }
 
 // Tiles are stacked along z first: close in memory to what is looked up with
-// them.
+// them.  How they lie depends on nothing but their number, or else a lookup's
+// last bit would tell of what was in the atlas before.
 static bool make_atlas(struct crossings *c, struct error *err)
 {
     const int limit = limit_3d();
@@ -408,9 +409,7 @@ static bool make_atlas(struct crossings *c, struct error *err)
         tiles[a] = left < most ? left : most;
         left = (left + tiles[a] - 1) / tiles[a];
     }
-    // a larger one would do, but lookups would round in another way, and an
-    // edited picture would no longer equal a fresh one
-    if (memcmp(tiles, c->tiles, sizeof tiles) == 0)
+    if (c->atlas && memcmp(tiles, c->tiles, sizeof tiles) == 0)
         return true;
     gl.DeleteTextures(1, &c->atlas);
     gl.CreateTextures(GL_TEXTURE_3D, 1, &c->atlas);

@@ -6,9 +6,10 @@
 int crossings_ways_count(float lambda, enum crossings_quality quality)
 {
     static const int count[2][4] = {{1, 1, 4, 8}, {1, 4, 8, 16}};
-    const int width = lambda <= 0.1f ? 0 : lambda <= 0.3f ? 1
-                                       : lambda <= 0.7f   ? 2
-                                                          : 3;
+    const int width = lambda <= 0.1f   ? 0
+                      : lambda <= 0.3f ? 1
+                      : lambda <= 0.7f ? 2
+                                       : 3;
     return count[quality][width];
 }
 
