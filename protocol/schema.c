@@ -8,6 +8,7 @@
 #include "protocol/number.h"
 
 #define COLUMNS 80
+#define LEGAL_COLUMN 42 // after the name and the default
 
 static const char *const type_names[] = {
     [PARAMS_FLOAT] = "float",   [PARAMS_INT] = "int", [PARAMS_BOOL] = "bool",
@@ -133,23 +134,31 @@ void schema_markdown(struct buf *out)
     }
 }
 
-// Words of `text`, indented, broken before column COLUMNS.
-static void wrapped(struct buf *out, const char *text, size_t indent)
+// Words of `text`, broken before column COLUMNS; `column` are written already,
+// lines after the first are indented.
+static void wrapped_from(struct buf *out, const char *text, size_t column,
+                         size_t indent)
 {
-    size_t column = 0;
+    bool first = column > 0; // what is written ends with its own blank
     while (*text) {
         size_t word = strcspn(text, " ");
         if (column > 0 && column + 1 + word > COLUMNS) {
             buf_byte(out, '\n');
             column = 0;
         }
-        size_t blanks = column == 0 ? indent : 1;
+        size_t blanks = column == 0 ? indent : first ? 0 : 1;
+        first = false;
         buf_printf(out, "%*s%.*s", (int)blanks, "", (int)word, text);
         column += blanks + word;
         text += word;
         text += strspn(text, " ");
     }
     buf_byte(out, '\n');
+}
+
+static void wrapped(struct buf *out, const char *text, size_t indent)
+{
+    wrapped_from(out, text, 0, indent);
 }
 
 // "fibre.eta   1.55   1.05 .. 3", and the unit.
@@ -162,8 +171,11 @@ static void summary(struct buf *out, const struct params_row *row)
     edit_print(&value, &defaults, row);
     buf_printf(out, "%-22.*s %-18.*s ", (int)name.size, (char *)name.data,
                (int)value.size, (char *)value.data);
-    legal(out, row, row->unit);
-    buf_byte(out, '\n');
+    struct buf values = {0};
+    legal(&values, row, row->unit);
+    buf_byte(&values, 0);
+    wrapped_from(out, (char *)values.data, LEGAL_COLUMN, LEGAL_COLUMN);
+    buf_finish(&values);
     buf_finish(&name);
     buf_finish(&value);
 }

@@ -92,8 +92,7 @@ void renderer_destroy(struct renderer *r)
         shading_finish(&r->shading);
         crossings_finish(&r->crossings);
         lights_finish(&r->lights);
-        gl.DeleteProgram(r->shadow_program);
-        gl.DeleteBuffers(1, &r->nodes);
+        nodes_finish(&r->nodes);
         strands_finish(&r->strands);
         timer_finish(&r->timer);
         egl_destroy(r->egl);
@@ -123,6 +122,8 @@ void renderer_mark(struct renderer *r, enum renderer_stage first)
             r->stale[i] = true;
     if (marked & BIT(RENDERER_RESOLVE)) {
         r->samples = 0;
+        r->refined = false;
+        r->unstored = false;
         picture_restart(&r->picture);
     }
 }
@@ -163,6 +164,7 @@ void renderer_set_params(struct renderer *r, const struct params *p)
     // More samples only continue a picture; fewer begin it anew.
     if (p->quality.samples < r->samples) {
         r->samples = 0;
+        r->refined = false;
         picture_restart(&r->picture);
     }
     before.quality.samples = p->quality.samples;
@@ -203,8 +205,15 @@ bool renderer_step(struct renderer *r, bool *done, struct error *err)
         r->stats.stage_ms[i] = -1;
     if (!run_setup(r, err))
         return false;
+    const bool refine = renderer_shadowed(r) && r->params.shadow.rays > 0;
+    if (refine && !r->refined && r->samples > 0) {
+        r->refined = true; // the smooth picture was shown; now the real one
+        r->samples = 0;
+        picture_restart(&r->picture);
+    }
     if (r->samples < r->params.quality.samples && !renderer_sample(r, err))
         return false;
-    *done = r->samples >= r->params.quality.samples;
+    *done = r->samples >= r->params.quality.samples &&
+            (!refine || r->refined);
     return true;
 }

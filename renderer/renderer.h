@@ -49,6 +49,7 @@ struct renderer_stats {
     int samples_wanted;
     uint32_t visible_points; // shaded by the last step
     int lights_used, lights_fitted; // suns count among those used
+    bool refined; // this picture's shadows are being made by real rays
     int shadow_resolution, shadow_directions; // in use; 0: no shadows
     double shadow_grid_ms, shadow_sweep_ms;   // of the last build
     struct renderer_left_out left_out[12];
@@ -78,6 +79,8 @@ bool renderer_set_sky(struct renderer *r, struct sky_map *m, struct error *err);
 void renderer_set_params(struct renderer *r, const struct params *p);
 
 // One step.  *done is true when the picture is final (samples_wanted reached).
+// With shadow.rays the first step gives a picture with the smooth shadow field;
+// then the picture begins anew, refined by rays.
 // After an error the stages that failed are still stale.
 bool renderer_step(struct renderer *r, bool *done, struct error *err);
 

@@ -10,6 +10,7 @@
 #include "renderer/crossings.h"
 #include "renderer/display.h"
 #include "renderer/lights.h"
+#include "renderer/nodes.h"
 #include "renderer/picture.h"
 #include "renderer/shading.h"
 #include "renderer/strands.h"
@@ -27,13 +28,11 @@ struct renderer {
     struct strands strands;
     struct lights lights;
     struct crossings crossings;
-    bool grid_stale;              // of the crossings
+    bool grid_stale, lists_built; // of the crossings
     int grid_resolution, grid_memory_mb, directions_quality; // made for
     bool directions_stale;        // lights stand elsewhere than swept for
-    unsigned shadow_program, nodes; // kept transmittances of the first sample
-    uint64_t nodes_bytes;
-    uint32_t nodes_stride;
-    bool nodes_valid;
+    struct nodes nodes;
+    bool unstored; // rays were asked for, but their results found no room
     struct shading shading;
     struct picture picture;
     struct display display;
@@ -42,6 +41,7 @@ struct renderer {
     bool stale[RENDERER_STAGES]; // of those that set up
     bool idle;                   // set by a stage that found nothing to do
     int samples;                 // in the picture's sum
+    bool refined;                // the picture's shadows are by rays
     struct renderer_stats stats;
 };
 

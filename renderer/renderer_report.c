@@ -30,6 +30,12 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
     }
     if (!r->shading.shadowed)
         leave_out(s, "shadows", 0, "shadow.method is off, or nothing shines");
+    else if (r->params.shadow.rays == 0)
+        leave_out(s, "shadow_rays", 0, "shadow.rays is 0: the smooth field");
+    if (r->unstored)
+        leave_out(s, "shadow_rays", 1, "what rays find does not fit into "
+                                       "quality.cache_mb for so many pixels "
+                                       "and lights: the smooth field");
     if (!r->strands.opacity && r->strands.plain_colour[3] >= 1)
         leave_out(s, "opacity", 0, "hair.use_opacity is off or the file has "
                                    "none");
@@ -57,6 +63,7 @@ void renderer_stats(const struct renderer *r, struct renderer_stats *out)
     out->memory_strands = r->strands.bytes;
     out->memory_targets = r->picture.target_bytes;
     out->memory_cache = r->picture.cache_bytes;
+    out->refined = r->refined;
     if (r->shading.shadowed) {
         out->shadow_resolution = r->crossings.stats.resolution;
         out->shadow_directions = r->crossings.stats.ways;
@@ -64,7 +71,8 @@ void renderer_stats(const struct renderer *r, struct renderer_stats *out)
         out->shadow_sweep_ms = r->crossings.stats.sweep_ms;
         out->memory_shadow = r->crossings.stats.grid_bytes +
                              r->crossings.stats.ways_bytes +
-                             r->crossings.stats.lists_bytes + r->nodes_bytes;
+                             r->crossings.stats.lists_bytes +
+                             r->nodes.first.bytes + r->nodes.rest.bytes;
     }
     out->fit = r->fit;
     if (r->map)

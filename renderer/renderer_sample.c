@@ -6,7 +6,6 @@
 #include "renderer/gl.h"
 #include "renderer/egl.h"
 #include "renderer/glsl.h"
-#include "renderer/program.h"
 
 static void bind_scene(struct renderer *r, int k)
 {
@@ -40,57 +39,37 @@ static bool wait_for_gpu(const char *doing, struct error *err)
     return gl_check(doing, err);
 }
 
-// Makes room for the kept transmittances of the first sample's places; false
-// when they are too many for quality.cache_mb or the device.
-static bool nodes_fit(struct renderer *r, uint32_t places)
+// The shadow stage: what of the lights reaches the places of sample k.
+static bool shadow(struct renderer *r, int k, const struct nodes_store **nodes,
+                   struct error *err)
 {
-    GLint64 limit = 0;
-    gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
-    const uint64_t bytes = 8 * (uint64_t)places *
-                           (uint64_t)r->lights.used;
-    const uint64_t budget = (uint64_t)r->params.quality.cache_mb << 20;
-    if (bytes > budget / 2 || bytes > (uint64_t)limit)
-        return false;
-    if (bytes > r->nodes_bytes) {
-        gl.DeleteBuffers(1, &r->nodes);
-        gl.CreateBuffers(1, &r->nodes);
-        gl.NamedBufferStorage(r->nodes, (GLsizeiptr)bytes, NULL, 0);
-        gl.ObjectLabel(GL_BUFFER, r->nodes, -1, "transmittances");
-        r->nodes_bytes = bytes;
+    const int rays = r->refined ? r->params.shadow.rays : 0;
+    struct nodes_request q = {
+        .part = k,
+        .rays = rays,
+        .lights = r->lights.used,
+        .budget = ((uint64_t)r->params.quality.cache_mb << 20) / 2,
+    };
+    const bool kept = nodes_kept(&r->nodes, k, rays);
+    if (!kept) { // how many places there are decides how much room they need
+        if (!wait_for_gpu("visible", err))
+            return false;
+        q.places = picture_counters(&r->picture);
+        timer_begin(&r->timer, RENDERER_SHADOW, "shadow");
     }
-    r->nodes_stride = places;
-    return true;
+    crossings_bind(&r->crossings, &r->strands);
+    bool ok = nodes_make(&r->nodes, &q, &r->picture, &r->strands, nodes, err);
+    if (!kept)
+        timer_end(&r->timer, RENDERER_SHADOW);
+    r->unstored |= !*nodes && rays > 0;
+    return ok;
 }
 
-// The transmittances of sample 0, unless they are there already.
-static bool keep_nodes(struct renderer *r, struct error *err)
-{
-    if (!r->shadow_program &&
-        !(r->shadow_program = program_compute("shadow.comp", NULL, err)))
-        return false;
-    timer_begin(&r->timer, RENDERER_SHADOW, "shadow");
-    gl.UseProgram(r->shadow_program);
-    gl.ProgramUniform1ui(r->shadow_program, 2, r->nodes_stride);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, r->strands.position);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, r->strands.strand);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 15, r->nodes);
-    picture_dispatch_lights(&r->picture);
-    timer_end(&r->timer, RENDERER_SHADOW);
-    r->nodes_valid = true;
-    return true;
-}
-
-static bool shade(struct renderer *r, int k, uint32_t places, struct error *err)
+static bool shade(struct renderer *r, int k, struct error *err)
 {
     struct shading_sample how = {.part = k};
-    if (renderer_shadowed(r)) {
-        crossings_bind(&r->crossings, &r->strands);
-        how.stored = k == 0 &&
-                     (r->nodes_valid ||
-                      (nodes_fit(r, places) && keep_nodes(r, err)));
-        how.nodes = r->nodes;
-        how.stride = r->nodes_stride;
-    }
+    if (renderer_shadowed(r) && !shadow(r, k, &how.nodes, err))
+        return false;
     timer_begin(&r->timer, RENDERER_SHADE, "shade");
     if (!shading_bind(&r->shading, &r->strands, &how, err))
         return false;
@@ -111,14 +90,7 @@ bool renderer_sample(struct renderer *r, struct error *err)
         timer_end(t, RENDERER_VISIBLE);
     }
     picture_prepare(&r->picture, k, r->lights.used);
-    uint32_t places = 0;
-    // how many places there are decides whether their transmittances fit
-    if (k == 0 && renderer_shadowed(r) && !r->nodes_valid) {
-        if (!wait_for_gpu("visible", err))
-            return false;
-        places = picture_counters(&r->picture);
-    }
-    if (!shade(r, k, places, err))
+    if (!shade(r, k, err))
         return false;
     timer_begin(t, RENDERER_RESOLVE, "resolve");
     picture_add(&r->picture);

@@ -49,6 +49,7 @@ static bool build_grid(struct renderer *r, struct error *err)
         return false;
     r->grid_resolution = p->shadow.resolution;
     r->grid_memory_mb = p->shadow.memory_mb;
+    r->lists_built = false;
     r->grid_stale = false;
     r->directions_stale = true;
     return true;
@@ -67,12 +68,12 @@ static bool update_directions(struct renderer *r, struct error *err)
                           (enum crossings_quality)r->directions_quality, err))
         return false;
     r->directions_stale = false;
-    r->nodes_valid = false;
+    r->nodes.first_valid = false;
     return true;
 }
 
 // Only what is not so already: a grid for this hair, directions for these
-// lights.
+// lights, lists for rays.
 bool renderer_setup_crossings(struct renderer *r, struct error *err)
 {
     const struct params *p = &r->params;
@@ -90,6 +91,12 @@ bool renderer_setup_crossings(struct renderer *r, struct error *err)
         if (!update_directions(r, err))
             return false;
     }
+    if (p->shadow.rays > 0 && !r->lists_built) {
+        r->idle = false;
+        if (!crossings_build_lists(&r->crossings, r->groom, p, err))
+            return false;
+        r->lists_built = true;
+    }
     return true;
 }
 
@@ -106,7 +113,7 @@ bool renderer_setup_visible(struct renderer *r, struct error *err)
 {
     const struct params *p = &r->params;
     struct picture *pic = &r->picture;
-    r->nodes_valid = false;
+    r->nodes.first_valid = false;
     camera_resolve(p, r->strands.box_min, r->strands.box_max, &r->camera);
     strands_widths(&r->strands, &r->camera,
                    0.5f * (float)p->image.height / r->camera.tan_half);

@@ -17,8 +17,6 @@ enum {
     FIXED_M = 8,
     LAST_LIGHT = 3, // of render.components: those after it are views
     PART_LOCATION = 0,
-    STRIDE_LOCATION = 2, // nodes.glsl
-    NODES_BINDING = 15,  // nodes.glsl
     XU_M_LOCATION = 16   // xu.glsl
 };
 
@@ -157,7 +155,8 @@ bool shading_bind(struct shading *s, const struct strands *strands,
 {
     char defines[SHADING_DEFINES];
     snprintf(defines, sizeof defines, "%s", s->base);
-    if (s->shadowed && how->stored)
+    const struct nodes_store *nodes = s->shadowed ? how->nodes : NULL;
+    if (nodes)
         add(defines, "SHADOW_STORED");
     unsigned program = program_of(s, defines, err);
     if (!program)
@@ -166,9 +165,10 @@ bool shading_bind(struct shading *s, const struct strands *strands,
     gl.ProgramUniform1ui(program, PART_LOCATION, (GLuint)how->part);
     if (s->m)
         gl.ProgramUniform1i(program, XU_M_LOCATION, s->m);
-    if (s->shadowed && how->stored) {
-        gl.ProgramUniform1ui(program, STRIDE_LOCATION, how->stride);
-        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, NODES_BINDING, how->nodes);
+    if (nodes) {
+        gl.ProgramUniform1ui(program, NODES_STRIDE_LOCATION, nodes->stride);
+        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, NODES_BINDING,
+                          nodes->buffer);
     }
     gl.BindBufferBase(GL_UNIFORM_BUFFER, GLSL_PARAMS_BINDING, s->params);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, strands->position);

@@ -8,6 +8,7 @@
 
 #include "protocol/error.h"
 #include "protocol/params.h"
+#include "renderer/nodes.h"
 #include "renderer/strands.h"
 #include "renderer/xu_tables.h"
 
@@ -43,9 +44,7 @@ bool shading_wants_axis(const struct params *p);
 
 struct shading_sample {
     int part;         // of the list of cells, as picture_prepare had it
-    bool stored;      // transmittances are kept in `nodes`, else made here
-    unsigned nodes;   // buffer, [light][stride]
-    uint32_t stride;
+    const struct nodes_store *nodes; // transmittances; NULL: looked up here
 };
 
 // Binds program (compiled when it is new), block, tables and strands for

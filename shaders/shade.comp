@@ -138,10 +138,10 @@ vec3 shade(Place c, uint at)
 
 void main()
 {
-    uint begin = dispatch.w, at = begin + gl_GlobalInvocationID.x;
-    if (at >= list_end[kept])
+    uint at = gl_GlobalInvocationID.x; // within this sample's part
+    if (dispatch.w + at >= list_end[kept])
         return;
-    uint slot = list[at];
+    uint slot = list[dispatch.w + at];
     Place c = place_of(slot);
 #if defined(VIEW_FIELD)
     vec3 seen = field(c, at);

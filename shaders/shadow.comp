@@ -1,19 +1,29 @@
 #version 450 core
-// What of each light reaches the places that the first sample sees, kept for
-// the edits of fibre and light colour to come: they change none of it.
+// What of each light reaches the places that a sample sees first: one light an
+// invocation.  The first sample's are kept for the edits of fibre and light
+// colour to come, which change none of it.
 #include "scene.glsl"
 #include "cells.glsl"
 #include "shadow.glsl"
 #include "place.glsl"
 #include "nodes.glsl"
 layout(local_size_x = 64) in;
+layout(location = 0) uniform uint kept;
+#ifdef SHADOW_RAYS
+layout(location = 3) uniform uint rays;
+#endif
 
 void main()
 {
-    uint at = gl_GlobalInvocationID.x, light = gl_WorkGroupID.y;
-    if (at >= list_end[0])
+    uint i = gl_GlobalInvocationID.x, at = dispatch.w + i;
+    uint light = gl_WorkGroupID.y;
+    if (at >= list_end[kept])
         return;
     Place c = place_of(list[at]);
-    nodes[light * nodes_stride + at] =
-        shadow_nodes(light, c.p, c.u, c.segment, c.key);
+#ifdef SHADOW_RAYS
+    uvec2 g = shadow_nodes_rays(light, c.p, c.u, c.segment, c.key, rays);
+#else
+    uvec2 g = shadow_nodes(light, c.p, c.u, c.segment, c.key);
+#endif
+    nodes[light * nodes_stride + i] = g;
 }

@@ -11,7 +11,8 @@ import zlib
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 GLINTD = os.environ.get("GLINTD", os.path.join(ROOT, "build", "glintd"))
 DATA = os.environ.get("GLINT_DATA", os.path.join(ROOT, "..", "shared", "data"))
-SMALL = ["--size", "96x64", "--set", "quality.samples=2", "--set", "sky.lights=10"]
+SMALL = ["--size", "96x64", "--set", "quality.samples=2", "--set", "sky.lights=10",
+         "--set", "shadow.resolution=48", "--set", "shadow.rays=1"]
 
 
 def report(name, good, why=""):
@@ -98,15 +99,17 @@ REFUSED = {"deep_LowRes_Balls.exr": "deep", "multipart.0001.exr": "part"}
 def main():
     with tempfile.TemporaryDirectory() as folder:
         for groom in "ponytail animation bob dark straight natural".split():
-            renders(folder, "builtin:%s renders" % groom, "--hair", "builtin:" + groom)
+            renders(folder, "builtin:%s renders" % groom, "--hair",
+                    "builtin:" + groom, "--set", "tint.exposure=2")
         if not os.path.isdir(DATA):
             print("skip real grooms and skies: no data folder at " + DATA)
             return
         for path in files("hair"):
-            renders(folder, os.path.basename(path) + " renders", "--hair", path)
+            renders(folder, os.path.basename(path) + " renders", "--hair", path,
+                    "--set", "tint.exposure=2")
         for path in files("env"):
             renders(folder, os.path.basename(path) + " lights hair", "--env", path,
-                    "--set", "tint.exposure=2")
+                    "--set", "tint.exposure=3")
         for path in files("exr_features"):
             base = os.path.basename(path)
             rows, why = render(folder, "--env", path)

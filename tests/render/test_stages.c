@@ -27,6 +27,7 @@ static void base(struct params *p)
     p->quality.samples = 3;
     p->view.background = 2;
     p->shadow.method = 1;
+    p->shadow.rays = 0; // has a case of its own: it takes another program
     p->shadow.resolution = 40;
 }
 
@@ -183,6 +184,36 @@ static void refinement(void)
     renderer_destroy(r);
 }
 
+// Shadows by real rays: the picture begins anew once the smooth one is shown.
+static void rays(void)
+{
+    struct params p;
+    base(&p);
+    p.shadow.rays = 2;
+    check_case("refined by rays: edited = fresh");
+    struct both want = fresh(&p);
+    struct params other = p;
+    other.light.yaw = 50;
+    other.fibre.sigma_a[0] = 2;
+    other.camera.fov = 23;
+    struct renderer *r = scene_renderer(groom(), scene_two_lamps(), &other);
+    struct both first = take(r);
+    renderer_set_params(r, &p);
+    bool done;
+    CHECK(renderer_step(r, &done, NULL) && renderer_step(r, &done, NULL));
+    struct both edited = take(r);
+    CHECK(same(&edited, &want) && !same(&first, &want));
+    check_case("... and they are not the smooth field");
+    p.shadow.rays = 0;
+    struct both smooth = fresh(&p);
+    CHECK(!same(&smooth, &want));
+    drop(&want);
+    drop(&first);
+    drop(&edited);
+    drop(&smooth);
+    renderer_destroy(r);
+}
+
 // A store so small that it is emptied several times gives the same picture.
 static void small_store(void)
 {
@@ -192,6 +223,7 @@ static void small_store(void)
     p.quality.samples = 5;
     p.sky.lights = 2;
     p.render.m = 2;
+    p.shadow.rays = 0;
     struct both b[2];
     check_case("memory for radiance does not change the picture");
     for (int i = 0; i < 2; i++) {
@@ -325,6 +357,7 @@ int main(int argc, char **argv)
     sky_helper_main(argc, argv);
     stage_names();
     refinement();
+    rays();
     assets();
     refusals();
     small_store();

@@ -1,0 +1,82 @@
+// nodes.c - buffers and dispatches of the shadow stage.  What a transmittance
+// is, is shadow.glsl's affair.
+#include "renderer/nodes.h"
+
+#include <string.h>
+
+#include "renderer/gl.h"
+#include "renderer/program.h"
+
+enum { PART_LOCATION = 0, RAYS_LOCATION = 3 };
+
+void nodes_finish(struct nodes *n)
+{
+    const unsigned buffers[] = {n->first.buffer, n->rest.buffer};
+    gl.DeleteBuffers(2, buffers);
+    for (int i = 0; i < 4; i++)
+        gl.DeleteProgram(n->program[i]);
+    memset(n, 0, sizeof *n);
+}
+
+bool nodes_kept(const struct nodes *n, int part, int rays)
+{
+    return part == 0 && rays == 0 && n->first_valid;
+}
+
+static bool fit(struct nodes_store *s, const struct nodes_request *q)
+{
+    GLint64 limit = 0;
+    gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
+    const uint64_t bytes = 8 * (uint64_t)q->places * (uint64_t)q->lights;
+    if (bytes > q->budget || bytes > (uint64_t)limit)
+        return false;
+    if (bytes > s->bytes) {
+        gl.DeleteBuffers(1, &s->buffer);
+        gl.CreateBuffers(1, &s->buffer);
+        gl.NamedBufferStorage(s->buffer, (GLsizeiptr)bytes, NULL, 0);
+        gl.ObjectLabel(GL_BUFFER, s->buffer, -1, "transmittances");
+        s->bytes = bytes;
+    }
+    s->stride = q->places;
+    return true;
+}
+
+static unsigned program_of(struct nodes *n, bool rays, bool opacity,
+                           struct error *err)
+{
+    static const char *const defines[4] = {NULL, "SHADOW_RAYS", "WITH_OPACITY",
+                                           "SHADOW_RAYS WITH_OPACITY"};
+    int i = (rays ? 1 : 0) + (opacity ? 2 : 0);
+    if (!n->program[i])
+        n->program[i] = program_compute("shadow.comp", defines[i], err);
+    return n->program[i];
+}
+
+bool nodes_make(struct nodes *n, const struct nodes_request *q,
+                const struct picture *p, const struct strands *s,
+                const struct nodes_store **out, struct error *err)
+{
+    const bool first = q->part == 0 && q->rays == 0;
+    struct nodes_store *store = first ? &n->first : &n->rest;
+    *out = store;
+    if (nodes_kept(n, q->part, q->rays))
+        return true;
+    if (!fit(store, q)) {
+        *out = NULL;
+        return true;
+    }
+    unsigned program = program_of(n, q->rays > 0, s->opacity != 0, err);
+    if (!program)
+        return false;
+    gl.UseProgram(program);
+    gl.ProgramUniform1ui(program, PART_LOCATION, (GLuint)q->part);
+    gl.ProgramUniform1ui(program, NODES_STRIDE_LOCATION, store->stride);
+    if (q->rays > 0)
+        gl.ProgramUniform1ui(program, RAYS_LOCATION, (GLuint)q->rays);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, s->position);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, s->strand);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, NODES_BINDING, store->buffer);
+    picture_dispatch_lights(p);
+    n->first_valid |= first;
+    return true;
+}

@@ -1,0 +1,49 @@
+// nodes.h - what of each light reaches each visible place, in a buffer that the
+// shading reads ([light][place], shaders/nodes.glsl).  Two of them: the first
+// sample's without rays, which edits of fibre and light colour find again, and
+// one for whatever sample is at hand.
+// Thread: render.
+#ifndef RENDERER_NODES_H
+#define RENDERER_NODES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "protocol/error.h"
+#include "renderer/picture.h"
+#include "renderer/strands.h"
+
+enum { NODES_BINDING = 15, NODES_STRIDE_LOCATION = 2 };
+
+struct nodes_store {
+    unsigned buffer;
+    uint64_t bytes;
+    uint32_t stride; // places
+};
+
+struct nodes {
+    struct nodes_store first, rest;
+    bool first_valid;
+    unsigned program[4]; // bit 0: rays, bit 1: opacity; compiled when asked for
+};
+
+struct nodes_request {
+    int part;     // of the cells' list: the sample
+    int rays;     // for each place and light; 0: the smooth field
+    int lights;
+    uint32_t places; // that this sample sees first
+    uint64_t budget; // bytes for one of the two
+};
+
+void nodes_finish(struct nodes *n);
+
+// The store that holds what is asked for: made now (the crossings and cells
+// are bound), or kept from before.  *out is NULL when it would take more than
+// the budget or the device allows; the shading then looks up as it goes.
+bool nodes_make(struct nodes *n, const struct nodes_request *q,
+                const struct picture *p, const struct strands *s,
+                const struct nodes_store **out, struct error *err);
+// Would nodes_make find it kept?
+bool nodes_kept(const struct nodes *n, int part, int rays);
+
+#endif
