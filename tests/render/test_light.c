@@ -110,8 +110,8 @@ static void constant_sky(void)
         b[i] = scene_linear(r);
         renderer_destroy(r);
     }
-    // wide lobes are shadowed along a few directions each: another per cent
-    CHECK_ATMOST(scene_difference(&b[1], &b[0]), 0.02);
+    // wide lobes are shadowed along a few directions each: two per cent more
+    CHECK_ATMOST(scene_difference(&b[1], &b[0]), 0.03);
     buf_finish(&b[0]);
     buf_finish(&b[1]);
 }
