@@ -1,7 +1,7 @@
-// crossings.c - the grid's box and memory, the atlas of tiles, and the sweeps
-// that fill it.  What is in a voxel is crossings_grid.c's business, which
-// directions stand for a light crossings_ways.c's, how they are looked up
-// shaders/shadow.glsl's.
+// crossings.c - the grid's box and memory, the atlas of tiles, which light has
+// which of them.  What is in a voxel is crossings_grid.c's business, which
+// directions stand for a light crossings_ways.c's, what is in a tile
+// crossings_sweep.c's, how they are looked up shaders/shadow.glsl's.
 #include "renderer/crossings.h"
 
 #include <math.h>
@@ -16,29 +16,12 @@
 #include "renderer/program.h"
 #include "renderer/timer.h"
 
-// Bytes of tiles that are finished before they go into the atlas together.
-static const uint64_t scratch_most = 32u << 20;
 // From where a lookup begins, in voxels along the way: nearer, the voxels hold
 // the strand itself and what is beside it.
 static const float start_voxels = 0.7f;
 static const int usual_ways = 210;
-#ifndef CELLS
-enum { CELLS = 2 }; // of the lists, a voxel along an axis
-#endif
-// How far rays count real fibres, in voxels.
-static const float ray_voxels = 2;
 
-// Uniform locations in crossings_sweep.comp.
-enum { AT_SIZE = 0, AT_TO = 1, AT_TURN = 2, AT_COUNT = 3 };
-enum { TOGETHER = 8 }; // directions of an invocation
 enum { X = 0, Y = 1, Z = 2 };
-// For each axis a that is swept along: the axes b, c across it, then a.
-static const int order[3][3] = {{Y, Z, X}, {X, Z, Y}, {X, Y, Z}};
-
-struct way_std140 {
-    float d[3];
-    uint32_t tile;
-};
 
 // --- life --------------------------------------------------------------------
 
@@ -46,25 +29,13 @@ bool crossings_init(struct crossings *c, struct error *err)
 {
     memset(c, 0, sizeof *c);
     c->block = bytes_zalloc(1, sizeof *c->block);
-    for (int a = 0; a < 3; a++) {
-        char defines[32];
-        snprintf(defines, sizeof defines, "AXIS=%d TOGETHER=%du", a, TOGETHER);
-        c->sweep[a] = program_compute("crossings_sweep.comp", defines, err);
-        if (!c->sweep[a])
-            goto fail;
-    }
-    c->turn = program_compute("crossings_turn.comp", NULL, err);
-    if (!c->turn)
+    if (!crossings_sweep_init(c, err))
         goto fail;
     gl.CreateBuffers(1, &c->uniform);
     gl.NamedBufferStorage(c->uniform, sizeof *c->block, NULL,
                           GL_DYNAMIC_STORAGE_BIT);
     gl.ObjectLabel(GL_BUFFER, c->uniform, -1, "crossings");
-    gl.CreateBuffers(1, &c->ways);
-    gl.NamedBufferStorage(c->ways,
-                          CROSSINGS_WAYS_MAX * sizeof(struct way_std140), NULL,
-                          GL_DYNAMIC_STORAGE_BIT);
-    gl.CreateQueries(GL_TIMESTAMP, 4, c->query);
+    gl.CreateQueries(GL_TIMESTAMP, 2, c->query);
     if (gl_check("making the crossings' buffers", err))
         return true;
 fail:
@@ -72,31 +43,20 @@ fail:
     return false;
 }
 
-static void forget_lists(struct crossings *c)
-{
-    const unsigned lists[] = {c->starts, c->pieces};
-    gl.DeleteBuffers(2, lists);
-    c->starts = c->pieces = 0;
-    c->stats.lists_bytes = 0;
-}
-
 static void forget_ways(struct crossings *c)
 {
-    const unsigned scratch[] = {c->state, c->bytes[0], c->bytes[1]};
-    const unsigned textures[] = {c->atlas, c->before};
-    gl.DeleteBuffers(3, scratch);
-    gl.DeleteTextures(2, textures);
-    c->state = c->bytes[0] = c->bytes[1] = c->atlas = c->before = 0;
-    c->state_size = c->bytes_size[0] = c->bytes_size[1] = 0;
+    gl.DeleteTextures(1, &c->atlas);
+    c->atlas = 0;
     memset(c->tiles, 0, sizeof c->tiles);
-    c->stats.ways_bytes = c->stats.scratch_bytes = 0;
+    c->stats.ways_bytes = 0;
     c->stats.ways = c->stats.lights = 0;
 }
 
 static void forget_grid(struct crossings *c)
 {
     forget_ways(c);
-    forget_lists(c);
+    crossings_sweep_forget(c);
+    crossings_lists_forget(c);
     gl.DeleteTextures(2, c->tensor);
     c->tensor[0] = c->tensor[1] = 0;
     c->stats.grid_bytes = 0;
@@ -107,20 +67,20 @@ void crossings_finish(struct crossings *c)
     if (!c->block)
         return;
     forget_grid(c);
-    const unsigned buffers[] = {c->uniform, c->ways};
-    gl.DeleteBuffers(2, buffers);
-    for (int a = 0; a < 3; a++)
-        if (c->sweep[a])
-            gl.DeleteProgram(c->sweep[a]);
-    if (c->turn)
-        gl.DeleteProgram(c->turn);
+    crossings_sweep_finish(c);
+    gl.DeleteBuffers(1, &c->uniform);
     if (c->query[0])
-        gl.DeleteQueries(4, c->query);
+        gl.DeleteQueries(2, c->query);
     free(c->block);
     memset(c, 0, sizeof *c);
 }
 
 // --- the grid's box ----------------------------------------------------------
+
+uint64_t crossings_voxels(const struct crossings *c)
+{
+    return (uint64_t)c->size[X] * (uint64_t)c->size[Y] * (uint64_t)c->size[Z];
+}
 
 static void hair_box(const struct groom *g, const struct params *p,
                      float low[3], float high[3])
@@ -133,11 +93,6 @@ static void hair_box(const struct groom *g, const struct params *p,
         low[k] = p->hair.scale * fminf(a[k], b[k]);
         high[k] = p->hair.scale * fmaxf(a[k], b[k]);
     }
-}
-
-static uint64_t voxels_of(const struct crossings *c)
-{
-    return (uint64_t)c->size[X] * (uint64_t)c->size[Y] * (uint64_t)c->size[Z];
 }
 
 // A voxel of air around the hair, and sides of whole words.
@@ -180,7 +135,7 @@ static bool fits(const struct crossings *c)
 {
     GLint64 block = 0;
     gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &block);
-    const uint64_t voxels = voxels_of(c);
+    const uint64_t voxels = crossings_voxels(c);
     const int ways = c->options.ways > 0 ? c->options.ways : usual_ways;
     return 16 * voxels <= (uint64_t)block && most_tiles(c, limit_3d()) > 0 &&
            (c->options.budget == 0 ||
@@ -208,7 +163,7 @@ static bool choose_resolution(struct crossings *c, const float low[3],
                      (unsigned long long)(32 + (uint64_t)(c->options.ways > 0
                                                               ? c->options.ways
                                                               : usual_ways)) *
-                         (unsigned long long)voxels_of(c));
+                         (unsigned long long)crossings_voxels(c));
 }
 
 static void take_head(struct crossings *c, const struct groom *g,
@@ -237,7 +192,7 @@ static void upload_tensor(struct crossings *c, float *const tensor[2])
         gl.TextureParameteri(c->tensor[i], GL_TEXTURE_MAG_FILTER, GL_NEAREST);
         gl.ObjectLabel(GL_TEXTURE, c->tensor[i], -1, "crossings grid");
     }
-    c->stats.grid_bytes = 32 * voxels_of(c);
+    c->stats.grid_bytes = 32 * crossings_voxels(c);
 }
 
 bool crossings_build_grid(struct crossings *c, const struct groom *g,
@@ -253,7 +208,8 @@ bool crossings_build_grid(struct crossings *c, const struct groom *g,
     if (!choose_resolution(c, low, high, err))
         return false;
     for (int i = 0; i < 2; i++)
-        tensor[i] = bytes_zalloc(4 * (size_t)voxels_of(c), sizeof(float));
+        tensor[i] =
+            bytes_zalloc(4 * (size_t)crossings_voxels(c), sizeof(float));
     crossings_grid_hair(&hair, c->box_min, c->voxel, g, p);
     crossings_grid_splat(&hair, c->size, tensor);
     crossings_grid_hair_finish(&hair);
@@ -272,58 +228,6 @@ bool crossings_build_grid(struct crossings *c, const struct groom *g,
     return gl_check("the shadows' grid", err);
 }
 
-bool crossings_build_lists(struct crossings *c, const struct groom *g,
-                           const struct params *p, struct error *err)
-{
-    const double began = timer_now();
-    const int fine = CELLS;
-    const int size[3] = {fine * c->size[X], fine * c->size[Y],
-                         fine * c->size[Z]};
-    const uint64_t cells =
-        (uint64_t)fine * (uint64_t)fine * (uint64_t)fine * voxels_of(c);
-    GLint64 block = 0;
-    gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &block);
-    uint64_t most = (uint64_t)block / 4 - 1;
-    if (most > UINT32_MAX)
-        most = UINT32_MAX;
-    struct crossings_hair hair;
-    uint32_t *pieces = NULL, *starts = NULL;
-    forget_lists(c);
-    bool ok = cells <= most;
-    if (ok) {
-        starts = bytes_zalloc((size_t)cells + 1, sizeof *starts);
-        crossings_grid_hair(&hair, c->box_min, c->voxel / (float)fine, g, p);
-        ok = crossings_lists_make(&hair, size, most, starts, &pieces);
-        crossings_grid_hair_finish(&hair);
-    }
-    if (ok) {
-        const size_t count = starts[cells];
-        gl.CreateBuffers(1, &c->starts);
-        gl.CreateBuffers(1, &c->pieces);
-        gl.NamedBufferStorage(c->starts, (GLsizeiptr)(4 * (cells + 1)), starts,
-                              0);
-        gl.NamedBufferStorage(c->pieces, (GLsizeiptr)(4 * (count + 1)), pieces,
-                              0);
-        gl.ObjectLabel(GL_BUFFER, c->starts, -1, "crossings cells");
-        gl.ObjectLabel(GL_BUFFER, c->pieces, -1, "crossings pieces");
-        c->stats.lists_bytes = 4 * (cells + 2 + count);
-        for (int k = 0; k < 3; k++)
-            c->block->cells[k] = (float)size[k];
-        c->block->cells[3] = (float)fine;
-        c->block->inverse[3] = ray_voxels * (float)fine;
-        gl.NamedBufferSubData(c->uniform, 0, sizeof *c->block, c->block);
-        c->stats.lists_ms = 1e3 * (timer_now() - began);
-    }
-    free(starts);
-    free(pieces);
-    return ok ? gl_check("the shadows' lists", err)
-              : error_set(err, "limit", "shadow",
-                          "shadows: lists of the segments near each of %d x %d "
-                          "x %d cells are larger than the %lld bytes that this "
-                          "device allows a buffer",
-                          size[X], size[Y], size[Z], (long long)block);
-}
-
 // --- directions --------------------------------------------------------------
 
 // Ways of each light, scaled down until they fit.
@@ -335,17 +239,18 @@ static bool choose_counts(struct crossings *c, const struct crossings_light *l,
     const uint64_t kept = c->stats.grid_bytes + c->stats.lists_bytes;
     if (c->options.budget > 0) {
         uint64_t left = c->options.budget > kept ? c->options.budget - kept : 0;
-        if (left / voxels_of(c) < (uint64_t)most)
-            most = (int)(left / voxels_of(c));
+        if (left / crossings_voxels(c) < (uint64_t)most)
+            most = (int)(left / crossings_voxels(c));
     }
     if (count > most)
         return error_set(
             err, "limit", "shadow",
             "shadows: %d lights need %llu bytes for %d x %d x %d voxels, %llu "
             "are allowed",
-            count, (unsigned long long)(kept + voxels_of(c) * (uint64_t)count),
+            count,
+            (unsigned long long)(kept + crossings_voxels(c) * (uint64_t)count),
             c->size[X], c->size[Y], c->size[Z],
-            (unsigned long long)(kept + voxels_of(c) * (uint64_t)most));
+            (unsigned long long)(kept + crossings_voxels(c) * (uint64_t)most));
     int wanted = 0, total = 0;
     for (int shift = 0; shift == 0 || total > most; shift++) {
         total = 0;
@@ -423,172 +328,8 @@ static bool make_atlas(struct crossings *c, struct error *err)
     gl.ObjectLabel(GL_TEXTURE, c->atlas, -1, "crossings");
     memcpy(c->tiles, tiles, sizeof tiles);
     c->stats.ways_bytes = (uint64_t)tiles[X] * (uint64_t)tiles[Y] *
-                          (uint64_t)tiles[Z] * voxels_of(c);
+                          (uint64_t)tiles[Z] * crossings_voxels(c);
     return gl_check("the shadows' directions", err);
-}
-
-// --- sweeps ------------------------------------------------------------------
-
-struct group { // directions that are swept along the same axis, the same way
-    int axis, count;
-    int way[CROSSINGS_WAYS_MAX];
-};
-
-static void grow(unsigned *buffer, uint64_t *size, uint64_t wanted,
-                 const char *name)
-{
-    if (*size >= wanted)
-        return;
-    gl.DeleteBuffers(1, buffer);
-    gl.CreateBuffers(1, buffer);
-    gl.NamedBufferStorage(*buffer, (GLsizeiptr)wanted, NULL,
-                          GL_DYNAMIC_STORAGE_BIT);
-    gl.ObjectLabel(GL_BUFFER, *buffer, -1, name);
-    *size = wanted;
-}
-
-static uint64_t state_bytes(const struct crossings *c, int axis)
-{
-    const int *o = order[axis];
-    return (uint64_t)(c->size[o[0]] + 2) * (uint64_t)(c->size[o[1]] + 2) * 8;
-}
-
-static void send_ways(struct crossings *c, const struct group *g, int begin,
-                      int count)
-{
-    struct way_std140 way[CROSSINGS_WAYS_MAX];
-    const uint32_t words = (uint32_t)(voxels_of(c) / 4);
-    for (int i = 0; i < count; i++) {
-        const float *d = c->block->way[g->way[begin + i]][0];
-        for (int k = 0; k < 3; k++)
-            way[i].d[k] = d[order[g->axis][k]];
-        way[i].tile = (uint32_t)i * words;
-    }
-    gl.NamedBufferSubData(c->ways, 0, (GLsizeiptr)((size_t)count * sizeof *way),
-                          way);
-}
-
-static void set_sizes(const struct crossings *c, int axis)
-{
-    const int *o = order[axis];
-    const GLuint program = c->sweep[axis];
-    const unsigned n[3] = {(unsigned)c->size[X], (unsigned)c->size[Y],
-                           (unsigned)c->size[Z]};
-    gl.ProgramUniform3ui(program, AT_SIZE, n[o[0]], n[o[1]], n[o[2]]);
-    // x fastest; along x as y, z, x, which crossings_turn.comp puts right
-    const unsigned w = n[X] / 4, v = n[Y] / 4;
-    if (axis == X)
-        gl.ProgramUniform3ui(program, AT_TO, 1, v, v * n[Z]);
-    else if (axis == Y)
-        gl.ProgramUniform3ui(program, AT_TO, 1, w * n[Y], w);
-    else
-        gl.ProgramUniform3ui(program, AT_TO, 1, w, w * n[Y]);
-}
-
-static void grow_state(struct crossings *c, uint64_t size)
-{
-    if (c->state_size >= size)
-        return;
-    grow(&c->state, &c->state_size, size, "crossings slice");
-    gl.DeleteTextures(1, &c->before);
-    gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &c->before);
-    gl.TextureBuffer(c->before, GL_R32F, c->state);
-}
-
-static void run_slices(struct crossings *c, int axis, int count)
-{
-    const float air = 1;
-    const int *o = order[axis];
-    const GLuint b = (GLuint)(c->size[o[0]] / 4 + 7) / 8;
-    const GLuint across = (GLuint)(c->size[o[1]] + 7) / 8;
-    gl.ClearNamedBufferSubData(
-        c->state, GL_R32F, 0,
-        (GLsizeiptr)(state_bytes(c, axis) * (uint64_t)count), GL_RED, GL_FLOAT,
-        &air);
-    const GLuint texture[] = {c->tensor[0], c->tensor[1], c->before};
-    for (GLuint i = 0; i < 3; i++)
-        gl.BindTextureUnit(i, texture[i]);
-    gl.BindBufferBase(GL_UNIFORM_BUFFER, 1, c->ways);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, c->state);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, c->bytes[0]);
-    gl.ProgramUniform1ui(c->sweep[axis], AT_COUNT, (GLuint)count);
-    gl.UseProgram(c->sweep[axis]);
-    for (int turn = 0; turn < c->size[axis]; turn++) {
-        gl.ProgramUniform1ui(c->sweep[axis], AT_TURN, (GLuint)turn);
-        gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-        gl.DispatchCompute(b, across,
-                           (GLuint)(count + TOGETHER - 1) / TOGETHER);
-    }
-}
-
-static void put_right(struct crossings *c, int count)
-{
-    gl.ProgramUniform3ui(c->turn, 0, (GLuint)c->size[X], (GLuint)c->size[Y],
-                         (GLuint)c->size[Z]);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, c->bytes[0]);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, c->bytes[1]);
-    gl.UseProgram(c->turn);
-    gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    gl.DispatchCompute((GLuint)(c->size[X] / 4 + 7) / 8,
-                       (GLuint)(c->size[Y] / 4 + 7) / 8,
-                       (GLuint)(c->size[Z] * count));
-}
-
-static void into_atlas(struct crossings *c, const struct group *g, int begin,
-                       int count)
-{
-    gl.MemoryBarrier(GL_PIXEL_BUFFER_BARRIER_BIT);
-    gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, c->bytes[g->axis == X]);
-    for (int i = 0; i < count; i++) {
-        const float *at = c->block->way[g->way[begin + i]][1];
-        const uintptr_t from = (uintptr_t)(voxels_of(c) * (uint64_t)i);
-        gl.TextureSubImage3D(c->atlas, 0, (GLint)at[X], (GLint)at[Y],
-                             (GLint)at[Z], c->size[X], c->size[Y], c->size[Z],
-                             GL_RED, GL_UNSIGNED_BYTE, (const void *)from);
-    }
-    gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
-}
-
-static void sweep_group(struct crossings *c, const struct group *g)
-{
-    GLint texels = 0;
-    gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
-    uint64_t most = scratch_most / voxels_of(c);
-    const uint64_t held = 4 * (uint64_t)texels / state_bytes(c, g->axis);
-    most = most > held ? held : most;
-    most = most < 1 ? 1 : most;
-    set_sizes(c, g->axis);
-    for (int begin = 0; begin < g->count;) {
-        int count = g->count - begin;
-        count = (uint64_t)count > most ? (int)most : count;
-        grow_state(c, state_bytes(c, g->axis) * (uint64_t)count);
-        for (int i = 0; i <= (g->axis == X); i++)
-            grow(&c->bytes[i], &c->bytes_size[i],
-                 voxels_of(c) * (uint64_t)count, "crossings tiles");
-        send_ways(c, g, begin, count);
-        run_slices(c, g->axis, count);
-        if (g->axis == X)
-            put_right(c, count);
-        into_atlas(c, g, begin, count);
-        begin += count;
-    }
-}
-
-static void sweep_all(struct crossings *c)
-{
-    struct group group[6] = {{.axis = X}, {.axis = X}, {.axis = Y},
-                             {.axis = Y}, {.axis = Z}, {.axis = Z}};
-    for (int i = 0; i < c->stats.ways; i++) {
-        const float *d = c->block->way[i][0];
-        int a = fabsf(d[X]) > fabsf(d[Y]) ? X : Y;
-        a = fabsf(d[Z]) >= fabsf(d[a]) ? Z : a;
-        struct group *g = &group[2 * a + (d[a] > 0)];
-        g->way[g->count++] = i;
-    }
-    for (int i = 0; i < 6; i++)
-        sweep_group(c, &group[i]);
-    c->stats.scratch_bytes =
-        c->state_size + c->bytes_size[0] + c->bytes_size[1];
 }
 
 bool crossings_update(struct crossings *c, const struct crossings_light *lights,
@@ -607,7 +348,7 @@ bool crossings_update(struct crossings *c, const struct crossings_light *lights,
         return false;
     fill_block(c, lights);
     gl.QueryCounter(c->query[0], GL_TIMESTAMP);
-    sweep_all(c);
+    crossings_sweep_run(c);
     gl.QueryCounter(c->query[1], GL_TIMESTAMP);
     c->timed = true;
     return gl_check("the shadows' sweeps", err);

@@ -1,5 +1,5 @@
-// crossings_lists.c - for each cell the segments that touch it, as wide as
-// they are.  Two passes, counting and filling.
+// crossings_lists.c - for rays: the segments that touch each of the cells into
+// which voxels are cut, as wide as they are.  Two passes, counting and filling.
 #include "renderer/crossings_private.h"
 
 #include <math.h>
@@ -7,102 +7,217 @@
 #include <string.h>
 
 #include "protocol/bytes.h"
+#include "renderer/gl.h"
+#include "renderer/shoot_threads.h"
+#include "renderer/timer.h"
 
-struct box {
-    int low[3], high[3]; // cells, both included
+enum { CELLS = 2 }; // a voxel, along an axis
+// How far rays count real fibres, in voxels.
+static const float ray_voxels = 2;
+
+enum { SLABS = 2 }; // one thread each
+
+struct job {
+    const struct crossings_hair *hair;
+    const int *size;  // cells
+    uint32_t *counts; // [cells]: how many, or where the next is to be put
+    uint32_t *pieces; // NULL: count
 };
 
-// Does the segment a, b touch the cell grown by r?
-static bool touches(const float a[3], const float b[3], const int cell[3],
-                    float r)
+struct reach {        // a segment, and how far it reaches across
+    float a[3], d[3]; // from a to a + d
+    float slow[3];    // 1 / d, huge where d is nothing
+    float r;
+};
+
+static struct reach reach_of(const float *a, const float *b)
 {
-    float from = 0, to = 1;
+    struct reach g;
     for (int k = 0; k < 3; k++) {
-        const float low = (float)cell[k] - r, high = (float)cell[k] + 1 + r;
-        const float d = b[k] - a[k];
-        if (fabsf(d) < 1e-12f) {
-            if (a[k] < low || a[k] > high)
-                return false;
-            continue;
-        }
-        const float s = (low - a[k]) / d, t = (high - a[k]) / d;
-        from = fmaxf(from, fminf(s, t));
-        to = fminf(to, fmaxf(s, t));
+        g.a[k] = a[k];
+        g.d[k] = b[k] - a[k];
+        g.slow[k] = 1 / (fabsf(g.d[k]) > 1e-12f ? g.d[k] : 1e-12f);
     }
-    return from <= to;
+    g.r = 0.5f * (a[3] > b[3] ? a[3] : b[3]) + 1e-4f; // and rounding
+    return g;
 }
 
-static struct box box_of(const float a[3], const float b[3], float r,
-                         const int size[3])
+static int cell_of(float x, int size)
 {
-    struct box x;
-    for (int k = 0; k < 3; k++) {
-        const float most = (float)(size[k] - 1);
-        const float low = floorf(fminf(a[k], b[k]) - r);
-        const float high = floorf(fmaxf(a[k], b[k]) + r);
-        x.low[k] = (int)fminf(fmaxf(low, 0), most);
-        x.high[k] = (int)fminf(fmaxf(high, 0), most);
-    }
-    return x;
+    const int i = x > 0 ? (int)x : 0;
+    return i < size ? i : size - 1;
 }
 
-// Adds segment i to counts[cell], or puts it where counts[cell] says.
-// Returns in how many cells it is.
-static uint32_t place(const struct crossings_hair *h, uint32_t i,
-                      const int size[3], uint32_t *counts, uint32_t *pieces)
+// The part of the segment, 0 to 1, between low and high of axis k.
+static void clip(const struct reach *g, int k, float low, float high,
+                 float t[2])
 {
-    const float *a = h->at + 4 * (size_t)i, *b = a + 4;
-    const float r = 0.5f * fmaxf(a[3], b[3]) + 1e-4f; // and rounding
-    const struct box box = box_of(a, b, r, size);
-    uint32_t n = 0;
-    int v[3];
-    for (v[2] = box.low[2]; v[2] <= box.high[2]; v[2]++)
-        for (v[1] = box.low[1]; v[1] <= box.high[1]; v[1]++)
-            for (v[0] = box.low[0]; v[0] <= box.high[0]; v[0]++) {
-                if (!touches(a, b, v, r))
-                    continue;
-                const size_t at =
-                    ((size_t)v[2] * (size_t)size[1] + (size_t)v[1]) *
-                        (size_t)size[0] +
-                    (size_t)v[0];
-                if (pieces)
-                    pieces[counts[at]] = i;
-                counts[at]++;
-                n++;
+    const float u = (low - g->a[k]) * g->slow[k];
+    const float v = (high - g->a[k]) * g->slow[k];
+    const float first = u < v ? u : v, last = u < v ? v : u;
+    t[0] = first > t[0] ? first : t[0];
+    t[1] = last < t[1] ? last : t[1];
+}
+
+// Cells along axis k that the part t of the segment can touch.
+static void range_of(const struct reach *g, int k, const float t[2], int size,
+                     int out[2])
+{
+    const float x = g->a[k] + t[0] * g->d[k], y = g->a[k] + t[1] * g->d[k];
+    out[0] = cell_of((x < y ? x : y) - g->r, size);
+    out[1] = cell_of((x < y ? y : x) + g->r, size);
+}
+
+static void put(const struct job *job, const int v[3], uint32_t i)
+{
+    const int *n = job->size;
+    const size_t at =
+        ((size_t)v[2] * (size_t)n[1] + (size_t)v[1]) * (size_t)n[0] +
+        (size_t)v[0];
+    if (job->pieces)
+        job->pieces[job->counts[at]] = i;
+    job->counts[at]++;
+}
+
+// Cells of one layer across axis k: those that the segment touches.
+static void place_layer(const struct job *job, const struct reach *g, int k,
+                        int layer, const int slab[2], uint32_t i)
+{
+    const int p = (k + 1) % 3, q = (k + 2) % 3;
+    float t[2] = {0, 1};
+    int across[3][2], v[3];
+    clip(g, k, (float)layer - g->r, (float)layer + 1 + g->r, t);
+    if (t[0] > t[1])
+        return;
+    range_of(g, p, t, job->size[p], across[p]);
+    range_of(g, q, t, job->size[q], across[q]);
+    across[k][0] = across[k][1] = layer;
+    across[2][0] = across[2][0] < slab[0] ? slab[0] : across[2][0];
+    across[2][1] = across[2][1] < slab[1] ? across[2][1] : slab[1] - 1;
+    for (v[2] = across[2][0]; v[2] <= across[2][1]; v[2]++)
+        for (v[1] = across[1][0]; v[1] <= across[1][1]; v[1]++)
+            for (v[0] = across[0][0]; v[0] <= across[0][1]; v[0]++) {
+                float part[2] = {t[0], t[1]};
+                clip(g, p, (float)v[p] - g->r, (float)v[p] + 1 + g->r, part);
+                clip(g, q, (float)v[q] - g->r, (float)v[q] + 1 + g->r, part);
+                if (part[0] <= part[1])
+                    put(job, v, i);
             }
-    return n;
 }
 
-static bool pass(const struct crossings_hair *h, const int size[3],
-                 uint64_t most, uint32_t *counts, uint32_t *pieces)
+static void place_segment(const struct job *job, uint32_t i, const int slab[2])
 {
-    uint64_t total = 0;
-    for (uint32_t k = 0; k < h->strands; k++)
-        for (uint32_t i = h->first[k]; i + 1 < h->first[k + 1]; i++) {
-            total += place(h, i, size, counts, pieces);
-            if (total > most)
-                return false;
-        }
-    return true;
+    const float *a = job->hair->at + 4 * (size_t)i;
+    const struct reach g = reach_of(a, a + 4);
+    const float whole[2] = {0, 1};
+    int k = 0, layer[2], depth[2];
+    range_of(&g, 2, whole, job->size[2], depth);
+    if (depth[1] < slab[0] || depth[0] >= slab[1])
+        return;
+    for (int c = 1; c < 3; c++)
+        if (fabsf(g.d[c]) > fabsf(g.d[k]))
+            k = c;
+    range_of(&g, k, whole, job->size[k], layer);
+    for (int n = layer[0]; n <= layer[1]; n++)
+        place_layer(job, &g, k, n, slab, i);
 }
 
-bool crossings_lists_make(const struct crossings_hair *h, const int size[3],
-                          uint64_t most, uint32_t *starts, uint32_t **pieces)
+// Each thread has its own layers of cells, so that what is in a cell comes in
+// the strands' order.
+static void place_slab(void *context, size_t n)
+{
+    const struct job *job = context;
+    const struct crossings_hair *h = job->hair;
+    const int depth = job->size[2];
+    const int slab[2] = {depth * (int)n / SLABS, depth * ((int)n + 1) / SLABS};
+    for (uint32_t k = 0; k < h->strands; k++)
+        for (uint32_t i = h->first[k]; i + 1 < h->first[k + 1]; i++)
+            place_segment(job, i, slab);
+}
+
+// starts: one more than cells; *pieces: malloced, starts[cells] of them, the
+// point numbers at which segments begin.  False when they are more than `most`.
+static bool make(const struct crossings_hair *h, const int size[3],
+                 uint64_t most, uint32_t *starts, uint32_t **pieces)
 {
     const size_t cells = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
-    if (!pass(h, size, most, starts, NULL))
-        return false;
-    uint32_t sum = 0;
+    struct job job = {h, size, starts, NULL};
+    shoot_threads(SLABS, place_slab, &job);
+    uint64_t sum = 0;
     for (size_t i = 0; i <= cells; i++) {
         const uint32_t n = i < cells ? starts[i] : 0;
-        starts[i] = sum;
+        if (sum > most)
+            return false;
+        starts[i] = (uint32_t)sum;
         sum += n;
     }
     *pieces = bytes_alloc(((size_t)sum + 1) * sizeof **pieces);
     (*pieces)[sum] = 0;
-    pass(h, size, most, starts, *pieces);
-    // each now holds where the next begins
+    job.pieces = *pieces;
+    shoot_threads(SLABS, place_slab, &job);
+    // each start now is where the next one was
     memmove(starts + 1, starts, cells * sizeof *starts);
     starts[0] = 0;
     return true;
+}
+
+void crossings_lists_forget(struct crossings *c)
+{
+    const unsigned lists[] = {c->starts, c->pieces};
+    gl.DeleteBuffers(2, lists);
+    c->starts = c->pieces = 0;
+    c->stats.lists_bytes = 0;
+}
+
+static void send(struct crossings *c, const int size[3], const uint32_t *starts,
+                 const uint32_t *pieces)
+{
+    const size_t cells = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
+    const size_t count = starts[cells];
+    gl.CreateBuffers(1, &c->starts);
+    gl.CreateBuffers(1, &c->pieces);
+    gl.NamedBufferStorage(c->starts, (GLsizeiptr)(4 * (cells + 1)), starts, 0);
+    gl.NamedBufferStorage(c->pieces, (GLsizeiptr)(4 * (count + 1)), pieces, 0);
+    gl.ObjectLabel(GL_BUFFER, c->starts, -1, "crossings cells");
+    gl.ObjectLabel(GL_BUFFER, c->pieces, -1, "crossings pieces");
+    c->stats.lists_bytes = 4 * (cells + 2 + count);
+    for (int k = 0; k < 3; k++)
+        c->block->cells[k] = (float)size[k];
+    c->block->cells[3] = CELLS;
+    c->block->inverse[3] = ray_voxels * CELLS;
+    gl.NamedBufferSubData(c->uniform, 0, sizeof *c->block, c->block);
+}
+
+bool crossings_build_lists(struct crossings *c, const struct groom *g,
+                           const struct params *p, struct error *err)
+{
+    const double began = timer_now();
+    const int size[3] = {CELLS * c->size[0], CELLS * c->size[1],
+                         CELLS * c->size[2]};
+    const uint64_t cells = CELLS * CELLS * CELLS * crossings_voxels(c);
+    GLint64 block = 0;
+    gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &block);
+    uint64_t most = (uint64_t)block / 4 - 1;
+    most = most > UINT32_MAX ? UINT32_MAX : most;
+    uint32_t *pieces = NULL, *starts = NULL;
+    crossings_lists_forget(c);
+    bool ok = cells <= most;
+    if (ok) {
+        struct crossings_hair hair;
+        starts = bytes_zalloc((size_t)cells + 1, sizeof *starts);
+        crossings_grid_hair(&hair, c->box_min, c->voxel / CELLS, g, p);
+        ok = make(&hair, size, most, starts, &pieces);
+        crossings_grid_hair_finish(&hair);
+    }
+    if (ok)
+        send(c, size, starts, pieces);
+    free(starts);
+    free(pieces);
+    c->stats.lists_ms = 1e3 * (timer_now() - began);
+    return ok ? gl_check("the shadows' lists", err)
+              : error_set(err, "limit", "shadow",
+                          "shadows: lists of the segments near each of %d x %d "
+                          "x %d cells are larger than the %lld bytes that this "
+                          "device allows a buffer",
+                          size[0], size[1], size[2], (long long)block);
 }

@@ -35,12 +35,18 @@ void crossings_grid_hair_finish(struct crossings_hair *h);
 void crossings_grid_splat(const struct crossings_hair *h, const int size[3],
                           float *const tensor[2]);
 
-// --- crossings_lists.c: which segments are near
-// starts: one more than cells; *pieces: malloced, starts[cells] of them, the
-// point numbers at which segments begin.  False when they are more than
-// `most`.
-bool crossings_lists_make(const struct crossings_hair *h, const int size[3],
-                          uint64_t most, uint32_t *starts, uint32_t **pieces);
+// --- crossings_lists.c: which segments are near (crossings_build_lists)
+void crossings_lists_forget(struct crossings *c);
+
+// --- crossings_sweep.c: what is in a tile
+bool crossings_sweep_init(struct crossings *c, struct error *err);
+void crossings_sweep_finish(struct crossings *c);
+void crossings_sweep_forget(struct crossings *c); // scratch memory
+// Fills the tiles of stats.ways directions, which block->way holds.
+void crossings_sweep_run(struct crossings *c);
+
+// --- crossings.c
+uint64_t crossings_voxels(const struct crossings *c);
 
 // --- crossings_ways.c: the directions that stand for a lobe
 int crossings_ways_count(float lambda, enum crossings_quality quality);

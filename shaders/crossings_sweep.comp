@@ -8,7 +8,7 @@
 // the two across it.  Invocations: four voxels along b, one of c, a few
 // directions, which share what is read of the voxels.
 #include "shadow_fall.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 layout(location = 0) uniform uvec3 size; // voxels along b, c, a
 layout(location = 1) uniform uvec3 to;   // steps of a tile's words: b, c, a
 layout(location = 2) uniform uint turn;  // slices done before this one
@@ -22,10 +22,10 @@ layout(std140, binding = 1) uniform Ways { Way ways[1024]; };
 // rho, rho A_xx, A_yy, A_zz; A_yz, A_zx, A_xy
 layout(binding = 0) uniform sampler3D straight;
 layout(binding = 1) uniform sampler3D crossed;
-// q half a step beyond the voxels of this slice and of the one before, with a
-// frame of air
-layout(binding = 2) uniform samplerBuffer before;
-layout(std430, binding = 0) writeonly buffer State { float state[]; };
+// q half a step beyond the voxels of this slice and of the one before, in 16
+// bits, four voxels an entry, with a frame of air
+layout(binding = 2) uniform usamplerBuffer before;
+layout(std430, binding = 0) writeonly buffer State { uvec2 state[]; };
 layout(std430, binding = 1) writeonly buffer Bytes { uint words[]; };
 
 #if AXIS == 0 // b, c, a = y, z, x
@@ -44,7 +44,23 @@ float met(vec4 s, vec3 x, vec3 squares, vec3 products)
     return sqrt(max(s.x * (s.x - along), 0.0));
 }
 
-void sweep(uvec2 cell, uint n, bool up, uint a, vec4 s[4], vec3 x[4])
+vec4 voxels_of(int entry)
+{
+    uvec2 two = texelFetch(before, entry).xy;
+    return vec4(two.x & 65535u, two.x >> 16u, two.y & 65535u, two.y >> 16u);
+}
+
+// What lies behind four voxels: two entries of each of two rows, mixed.
+vec4 past_of(int entry, int row, bool lower, vec2 part)
+{
+    vec4 a = mix(voxels_of(entry), voxels_of(entry + row), part.y);
+    vec4 b = mix(voxels_of(entry + 1), voxels_of(entry + 1 + row), part.y);
+    vec4 left = lower ? vec4(a.w, b.xyz) : a;
+    vec4 right = lower ? b : vec4(a.yzw, b.x);
+    return mix(left, right, part.x) * (1.0 / 65535.0);
+}
+
+void sweep(uvec2 cell, uint n, uint a, vec4 s[4], vec3 x[4])
 {
     vec3 d = ways[n].d, w = WORLD(d);
     vec3 squares = w * w, products = 2.0 * w.yzx * w.zxy;
@@ -53,37 +69,34 @@ void sweep(uvec2 cell, uint n, bool up, uint a, vec4 s[4], vec3 x[4])
     float path = 1.0 / abs(d.z), fall = -0.5 * SHADOW_FALL * path;
     vec2 shift = clamp(d.xy * path, -1.0, 1.0);
     vec2 base = min(floor(shift), 0.0), part = shift - base;
-    int row = int(size.x) + 2, slice = row * (int(size.y) + 2);
-    int inner = (int(cell.y) + 1) * row + int(cell.x) + 1;
+    int row = int(size.x >> 2u) + 2, slice = row * (int(size.y) + 2);
+    int inner = (int(cell.y) + 1) * row + int(cell.x >> 2u) + 1;
     int here = (2 * int(n) + (int(turn) & 1)) * slice + inner;
     int from = (2 * int(n) + (~int(turn) & 1)) * slice + inner +
                int(base.y) * row + int(base.x);
 
-    float left = mix(texelFetch(before, from).x,
-                     texelFetch(before, from + row).x, part.y);
-    uint four = 0u;
-    for (int k = 0; k < 4; k++) {
-        float right = mix(texelFetch(before, from + k + 1).x,
-                          texelFetch(before, from + k + 1 + row).x, part.y);
-        float past = mix(left, right, part.x);
-        left = right;
-        float half_step = exp(fall * met(s[k], x[k], squares, products));
-        float q = max(past * half_step, 1e-6); // denormal floats are slow
-        state[here + k] = q * half_step;
-        // never 0: as many as a byte can say, not infinitely many
-        four |= max(uint(q * 255.0 + 0.5), 1u) << (8 * k);
-    }
+    vec4 half_step;
+    for (int k = 0; k < 4; k++)
+        half_step[k] = fall * met(s[k], x[k], squares, products);
+    half_step = exp(half_step);
+    vec4 q = past_of(from, row, base.x < 0.0, part) * half_step;
+    uvec4 beyond = uvec4(q * half_step * 65535.0 + 0.5);
+    state[here] = beyond.xz | beyond.yw << 16u;
+    // never 0: as many as a byte can say, not infinitely many
+    uvec4 byte = max(uvec4(q * 255.0 + 0.5), uvec4(1u));
     words[ways[n].tile + (cell.x >> 2u) * to.x + cell.y * to.y + a * to.z] =
-        four;
+        byte.x | byte.y << 8u | byte.z << 16u | byte.w << 24u;
 }
 
 void main()
 {
-    uvec2 cell = uvec2(4u * gl_GlobalInvocationID.x, gl_GlobalInvocationID.y);
-    if (any(greaterThanEqual(cell, size.xy)))
+    uint i = gl_GlobalInvocationID.x, fours = size.x >> 2u;
+    uint c = uint((float(i) + 0.5) / float(fours));
+    if (c >= size.y)
         return;
+    uvec2 cell = uvec2(4u * (i - c * fours), c);
     // all directions of an invocation go the same way along a
-    uint first = gl_WorkGroupID.z * TOGETHER;
+    uint first = gl_WorkGroupID.y * TOGETHER;
     bool up = ways[first].d.z > 0.0; // the light is where a is large
     uint a = up ? size.z - 1u - turn : turn;
     vec4 s[4];
@@ -94,5 +107,5 @@ void main()
         x[k] = texelFetch(crossed, at, 0).xyz;
     }
     for (uint n = first; n < min(first + TOGETHER, count); n++)
-        sweep(cell, n, up, a, s, x);
+        sweep(cell, n, a, s, x);
 }
