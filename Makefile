@@ -109,7 +109,7 @@ $(B)/tests/%: tests/%.c $(LIB_OBJS)
 
 # --- running and testing ----------------------------------------------------
 run: all
-	$(B)/glintd serve --hair builtin:ponytail --env builtin:studio $(ARGS)
+	$(B)/glintd serve --hair builtin:animation --env builtin:studio $(ARGS)
 
 TEST_ENV = GLINTD=$(CURDIR)/$(B)/glintd GLINT=$(CURDIR)/$(B)/glint \
 	GLINT_SAN=$(SAN) GLINT_PLAIN=$(CURDIR)/build \

@@ -15,7 +15,9 @@
 enum {
     PARAMS_ROWS_MAX = 128,
     FIXED_M = 8,
-    LAST_LIGHT = 3, // of render.components: those after it are views
+    // of render.components: all, R, TT, TRT, single, global, local, views
+    LAST_SINGLE = 4,
+    LAST_LIGHT = 6,
     PART_LOCATION = 0,
     XU_M_LOCATION = 16   // xu.glsl
 };
@@ -35,6 +37,7 @@ void shading_finish(struct shading *s)
         gl.DeleteProgram(s->variant[i].program);
     gl.DeleteBuffers(1, &s->params);
     xu_tables_destroy(s->tables);
+    dual_tables_destroy(s->dual);
     memset(s, 0, sizeof *s);
 }
 
@@ -96,6 +99,11 @@ static void name_base(struct shading *s, const struct params *p,
         add(s->base, "WITH_COLOUR");
     if (s->shadowed)
         add(s->base, "WITH_SHADOW");
+    if (!view && p->render.components <= LAST_SINGLE)
+        add(s->base, "WITH_SINGLE");
+    if (s->multiple)
+        add(s->base, p->render.multiple == 1 ? "WITH_MULTIPLE DUAL_PAPER"
+                                             : "WITH_MULTIPLE");
     if (view)
         add(s->base, view);
 }
@@ -108,15 +116,45 @@ bool shading_wants_axis(const struct params *p)
 static void choose_components(struct shading *s, int shown)
 {
     for (int i = 0; i < 3; i++)
-        s->mask[i] = shown == 0 || shown == i + 1;
+        s->mask[i] = shown == 0 || shown == LAST_SINGLE || shown == i + 1;
+    s->share[0] = shown == 0 || shown == LAST_SINGLE + 1;
+    s->share[1] = shown == 0 || shown == LAST_SINGLE + 2;
+}
+
+static void update_dual(struct shading *s, const struct params *p)
+{
+    struct params r = *p;
+    params_fibre_resolve(&r);
+    const double rad = M_PI / 180;
+    const struct dual_fibre f = {
+        .eta = r.fibre.eta,
+        .sigma_a = {r.fibre.sigma_a[0], r.fibre.sigma_a[1], r.fibre.sigma_a[2]},
+        .a = r.fibre.a,
+        .alpha = {r.fibre.alpha_r * rad, r.fibre.alpha_tt * rad,
+                  r.fibre.alpha_trt * rad},
+        .beta = {r.fibre.beta_r * rad, r.fibre.beta_tt * rad,
+                 r.fibre.beta_trt * rad},
+        .w_c = r.fibre.w_c * rad,
+        .delta_eta = r.fibre.delta_eta,
+    };
+    if (!s->dual)
+        s->dual = dual_tables_create();
+    dual_tables_update(s->dual, &f,
+                       p->render.multiple == 1 ? DUAL_SCHEME_PAPER
+                                               : DUAL_SCHEME_BEST);
 }
 
 void shading_update(struct shading *s, const struct params *p,
                     const struct strands *strands, bool shadowed)
 {
     s->shadowed = shadowed;
-    name_base(s, p, strands);
     choose_components(s, p->render.components);
+    // light that others scattered is known only where what they block is
+    s->multiple = shadowed && p->render.multiple > 0 &&
+                  (s->share[0] > 0 || s->share[1] > 0);
+    if (s->multiple)
+        update_dual(s, p);
+    name_base(s, p, strands);
     if (!s->tables || s->tables->times != p->render.tables) {
         xu_tables_destroy(s->tables);
         s->tables = xu_tables_create(p->render.tables);
@@ -176,5 +214,7 @@ bool shading_bind(struct shading *s, const struct strands *strands,
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, strands->colour);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, strands->axis);
     xu_tables_bind(s->tables);
+    if (s->multiple)
+        dual_tables_bind(s->dual);
     return true;
 }

@@ -8,6 +8,7 @@
 
 #include "protocol/error.h"
 #include "protocol/params.h"
+#include "renderer/dual_tables.h"
 #include "renderer/nodes.h"
 #include "renderer/strands.h"
 #include "renderer/xu_tables.h"
@@ -27,7 +28,8 @@ struct shading {
     unsigned params; // uniform block
     struct xu_tables *tables;
     int m;           // segments, where the program has them as a uniform
-    bool circular, opaque, shadowed;
+    struct dual_tables *dual;   // made when multiple scattering is first asked for
+    bool circular, opaque, shadowed, multiple;
     double opaque_bound; // what leaving TT and TRT out can change, of R
     float mask[3];       // R, TT, TRT shown
     float share[2];      // global, local multiple scattering shown

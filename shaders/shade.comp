@@ -2,7 +2,11 @@
 // Radiance of the cells that this sample sees for the first time: all lights
 // in the inner loop.  The fibre's diameter cancels (a strand drawn as a ribbon
 // of its own width has radiance = curve intensity / diameter).
-// Variants leave out what a scene does not need.
+//
+// For each light and colour channel (docs/METHODS.md):
+//   T~ (M + d_b M^L_direct) + d_f (T_f - T~) Omega (M^G + d_b M^L)
+// direct light and its local glow, and light that came forward through other
+// fibres and its glow.  Variants leave out what a scene does not need.
 #include "scene.glsl"
 #include "cells.glsl"
 #include "lights.glsl"
@@ -13,6 +17,9 @@
 #ifdef SHADOW_STORED
 #include "nodes.glsl"
 #endif
+#endif
+#ifdef WITH_MULTIPLE
+#include "dual.glsl"
 #endif
 layout(local_size_x = 64) in;
 layout(location = 0) uniform uint kept;
@@ -107,14 +114,27 @@ vec3 field(Place c, uint at)
 }
 #endif
 
-// Everything that one light sends to the eye from here, but for its radiance.
-vec3 received(Fibre fibre, Srbf light, float theta_o, float phi_o, vec4 g)
+#ifdef WITH_MULTIPLE
+// Light that was scattered on its way or is scattered back by the hair around.
+vec3 scattered(Fibre fibre, DualView view, Srbf light, float phi_o, vec4 g,
+               float omega)
 {
-    vec3 r, tt, trt;
-    xu_modes(fibre, light, theta_o, phi_o, r, tt, trt);
-    vec3 direct = mask.x * r + mask.y * tt + mask.z * trt;
-    return shadow_clear(g) * direct;
+    DualAt at = dual_forward(light.theta);
+    ShadowLaw law = shadow_law(g);
+    vec3 through = shadow_forward(law, at.a_f);
+    vec3 crossed = shadow_crossings(law, at.a_f);
+    // every crossing widens the light by (2 beta)^2, a variance; a Xu width
+    // squared is twice that (Zinke 2008, eq 8)
+    vec3 sigma_f =
+        sqrt(light.lambda * light.lambda + 8.0 * at.betabar2_f * crossed);
+    vec3 global, local, near;
+    dual_modes(fibre, view, light, phi_o, sigma_f, vec3(1.0), global, local,
+               near);
+    float clear = shadow_clear(g), glow = share.y * fibre_d_b;
+    vec3 forward = fibre_d_f * omega * max(through - clear, 0.0);
+    return clear * glow * near + forward * (share.x * global + glow * local);
 }
+#endif
 
 vec3 shade(Place c, uint at)
 {
@@ -123,6 +143,9 @@ vec3 shade(Place c, uint at)
     float theta_o = special_asin(clamp(dot(to_eye, c.u), -1.0, 1.0));
     float phi_o = azimuth(to_eye, v, w);
     Fibre fibre = fibre_here();
+#ifdef WITH_MULTIPLE
+    DualView view = dual_view(theta_o);
+#endif
     vec3 sum = vec3(0.0);
     for (uint j = 0u; j < light_count; j++) {
         vec4 place = lights[j].place;
@@ -130,8 +153,15 @@ vec3 shade(Place c, uint at)
             Srbf(special_asin(clamp(dot(place.xyz, c.u), -1.0, 1.0)),
                  azimuth(place.xyz, v, w), place.w);
         vec4 g = nodes_of(j, c, at);
-        sum += lights[j].radiance.rgb * received(fibre, light, theta_o, phi_o,
-                                                 g);
+        vec3 r, tt, trt, seen = vec3(0.0);
+#ifdef WITH_SINGLE
+        xu_modes(fibre, light, theta_o, phi_o, r, tt, trt);
+        seen = shadow_clear(g) * (mask.x * r + mask.y * tt + mask.z * trt);
+#endif
+#ifdef WITH_MULTIPLE
+        seen += scattered(fibre, view, light, phi_o, g, lights[j].radiance.w);
+#endif
+        sum += lights[j].radiance.rgb * seen;
     }
     return sum * colour_at(c.segment, c.along);
 }

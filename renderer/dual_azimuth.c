@@ -1,0 +1,249 @@
+// dual_azimuth.c - sums over h = sin gamma, and the fit of N^G.
+//
+// With c_n the cosine coefficients of N_t(phi),
+//   c_n = (2 - [n = 0])/pi Int_0^{pi/2} A cos gamma cos(n phi(gamma)) dgamma / 2,
+// smoothing multiplies them by I_n/I_0, and a half circle of light leaves
+//   N^G = c_0 + sum over odd n of 2/(pi n) sin(n pi/2) c_n cos(n Phi)
+// (even n integrate to zero).  The coefficients fall with a further 1/n, which
+// is why a few will do.  Their course over theta_d is a polynomial, fitted to
+// the relative error.
+#include "renderer/dual_azimuth.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double pi = 3.14159265358979323846;
+
+enum { GAMMAS = DUAL_GAMMAS, ODD = 16, SAMPLES = 24, MOST_POWERS = 8 };
+
+// Gauss-Legendre in gamma on [0, pi/2].
+static void make_rule(struct dual_azimuth *z)
+{
+    for (int i = 0; i < GAMMAS; i++) {
+        double x = cos(pi * (i + 0.75) / (GAMMAS + 0.5)), slope = 1;
+        for (int turn = 0; turn < 4; turn++) { // Newton on P_n
+            double p0 = 1, p1 = x;
+            for (int k = 2; k <= GAMMAS; k++) {
+                double p2 = ((2 * k - 1) * x * p1 - (k - 1) * p0) / k;
+                p0 = p1;
+                p1 = p2;
+            }
+            slope = GAMMAS * (x * p1 - p0) / (x * x - 1);
+            x -= p1 / slope;
+        }
+        z->gamma[i] = pi / 4 * (1 + x);
+        z->weight[i] = pi / 4 * 2 / ((1 - x * x) * slope * slope);
+        z->sine[i] = sin(z->gamma[i]);
+        z->cosine[i] = cos(z->gamma[i]);
+    }
+}
+
+void dual_azimuth_init(struct dual_azimuth *z, const struct dual_fibre *f)
+{
+    // Below 0.04 the smoothing changes nothing that the series resolves.
+    double w = fmax(f->w_c, 0.04), kappa = 2 / (w * w), whole = 0, aa = f->a;
+    int steps = (int)(10 * pi / w) + 8;
+    aa *= aa;
+    memset(z, 0, sizeof *z);
+    make_rule(z);
+    z->fibre = *f;
+    z->eta_path = 1 + (f->eta - 1) * (aa + 1 / aa - 1); // mean of eq 24
+    for (int i = 0; i < steps; i++) { // equal steps round a circle
+        double x = pi * (i + 0.5) / steps, g = exp(kappa * (cos(x) - 1));
+        double now = cos(x), before = now, twice = 2 * cos(2 * x);
+        whole += g;
+        for (int k = 0; k < ODD; k++) {
+            z->smooth[k] += g * now;
+            double next = twice * now - before;
+            before = now;
+            now = next;
+        }
+    }
+    for (int k = 0; k < ODD; k++)
+        z->smooth[k] /= whole;
+}
+
+double dual_azimuth_schlick(double eta, double cos_d)
+{
+    double f0 = (eta - 1) / (eta + 1), u = 1 - 0.65 * cos_d;
+    f0 *= f0;
+    return f0 + (1 - f0) * u * u * u * u * u;
+}
+
+// One ray: phi of the three modes and A cos gamma dgamma of all channels.
+struct ray {
+    double phi[3], part[DUAL_CHANNELS];
+};
+
+static struct ray trace(const struct dual_azimuth *z, double c, int i)
+{
+    const struct dual_fibre *f = &z->fibre;
+    double eta2 = f->eta * f->eta, root = sqrt(eta2 - 1 + c * c);
+    double h = z->sine[i], x = c * z->cosine[i];
+    double q = sqrt(eta2 - 1 + x * x), s = 1 / (x + q), p = 1 / (eta2 * x + q);
+    double fs = (x - q) * s, fp = (eta2 * x - q) * p;
+    double fresnel = (fs * fs + fp * fp) / 2;
+    // (1 - F) / c without the difference, which grazing light leaves nothing of
+    double enter = 2 * z->cosine[i] * q * (s * s + eta2 * p * p);
+    double inside = c * h / root, path = z->eta_path;
+    double bend = c * h / sqrt(path * path - 1 + c * c);
+    double length = 2 * f->eta / root * sqrt(1 - inside * inside);
+    double w = z->weight[i] * z->cosine[i];
+    struct ray r;
+    r.phi[0] = 2 * z->gamma[i];
+    r.phi[1] = pi - 2 * z->gamma[i] + 2 * asin(inside);
+    r.phi[2] = 2 * z->gamma[i] - 4 * asin(bend);
+    r.part[DUAL_R] = w * fresnel;
+    for (int k = 0; k < 3; k++) {
+        double t = exp(-f->sigma_a[k] * length);
+        r.part[DUAL_TT + k] = w * enter * enter * t;
+        r.part[DUAL_TRT + k] = w * enter * enter * fresnel * t * t;
+    }
+    return r;
+}
+
+// |phi|/pi smoothed: 1/2 - 4/pi^2 sum over odd n of I_n/I_0 cos(n phi)/n^2.
+static double forward(const struct dual_azimuth *z, double phi)
+{
+    double now = cos(phi), before = now, twice = 2 * cos(2 * phi), sum = 0;
+    for (int k = 0; k < ODD; k++) {
+        double n = 2 * k + 1, next = twice * now - before;
+        sum += z->smooth[k] * now / (n * n);
+        before = now;
+        now = next;
+    }
+    return fmin(fmax(0.5 - 4 / (pi * pi) * sum, 0), 1);
+}
+
+void dual_azimuth_energy(const struct dual_azimuth *z, double cos_d,
+                         struct dual_energy *out)
+{
+    memset(out, 0, sizeof *out);
+    for (int i = 0; i < GAMMAS; i++) {
+        struct ray r = trace(z, cos_d, i);
+        const double ahead[3] = {r.phi[0] / pi, r.phi[1] / pi,
+                                 forward(z, r.phi[2])};
+        for (int k = 0; k < DUAL_CHANNELS; k++) {
+            int mode = k == DUAL_R ? 0 : k < DUAL_TRT ? 1 : 2;
+            out->all[k] += r.part[k];
+            out->ahead[k] += r.part[k] * ahead[mode];
+        }
+    }
+}
+
+// --- the fit ----------------------------------------------------------------
+struct sample { // one theta_d: coefficients of cos(n_k Phi)
+    double x;
+    double e[DUAL_CHANNELS][DUAL_HARMONICS_TRT];
+};
+
+static struct sample sample_at(const struct dual_azimuth *z, double x)
+{
+    // eta/eta' = (1 + x)/2
+    double v = (1 + x) / (2 * z->fibre.eta), eta2 = z->fibre.eta * z->fibre.eta;
+    double c = v * sqrt((eta2 - 1) / (1 - v * v));
+    double trt = 1 / dual_azimuth_schlick(z->fibre.eta, c);
+    struct sample s = {.x = x};
+    for (int i = 0; i < GAMMAS; i++) {
+        struct ray r = trace(z, c, i);
+        double now[3], before[3], twice[3];
+        for (int t = 0; t < 3; t++) {
+            now[t] = before[t] = cos(r.phi[t]);
+            twice[t] = 2 * (2 * now[t] * now[t] - 1);
+        }
+        for (int k = 0; k < DUAL_CHANNELS; k++)
+            s.e[k][0] += r.part[k];
+        for (int n = 1; n < DUAL_HARMONICS_TRT; n++) {
+            for (int k = 0; k < DUAL_CHANNELS; k++)
+                s.e[k][n] += r.part[k] * now[k == DUAL_R     ? 0
+                                             : k < DUAL_TRT ? 1
+                                                            : 2];
+            for (int t = 0; t < 3; t++) {
+                double next = twice[t] * now[t] - before[t];
+                before[t] = now[t];
+                now[t] = next;
+            }
+        }
+    }
+    for (int k = 0; k < DUAL_CHANNELS; k++) {
+        double scale = k < DUAL_TRT ? 1 / (2 * pi) : trt / (2 * pi);
+        s.e[k][0] *= scale;
+        for (int n = 1; n < DUAL_HARMONICS_TRT; n++) {
+            double blur = k < DUAL_TRT ? 1 : z->smooth[n - 1];
+            double window = 2 / (pi * (2 * n - 1)) * (n % 2 ? 1 : -1);
+            s.e[k][n] *= 2 * scale * blur * window;
+        }
+    }
+    return s;
+}
+
+// Chebyshev polynomials to powers of x, in place.
+static void to_powers(double *c, int count)
+{
+    double t0[MOST_POWERS] = {1}, t1[MOST_POWERS] = {0, 1};
+    double out[MOST_POWERS] = {c[0]};
+    for (int k = 1; k < count; k++) {
+        double t2[MOST_POWERS] = {0};
+        for (int p = 0; p <= k; p++)
+            out[p] += c[k] * t1[p];
+        for (int p = 0; p < count; p++)
+            t2[p] = (p > 0 ? 2 * t1[p - 1] : 0) - t0[p];
+        memcpy(t0, t1, sizeof t0);
+        memcpy(t1, t2, sizeof t1);
+    }
+    memcpy(c, out, (size_t)count * sizeof *c);
+}
+
+// Least squares, weighted by the mean over Phi; row k of `out` belongs to n_k.
+static void fit(const struct sample *s, int channel, int harmonics, int powers,
+                double *out)
+{
+    double a[MOST_POWERS][MOST_POWERS] = {{0}};
+    double b[MOST_POWERS][DUAL_HARMONICS_TRT] = {{0}};
+    for (int i = 0; i < SAMPLES; i++) {
+        const double *e = s[i].e[channel];
+        double t[MOST_POWERS] = {1, s[i].x};
+        if (e[0] < 1e-100) // nothing comes through
+            continue;
+        for (int p = 2; p < powers; p++)
+            t[p] = 2 * s[i].x * t[p - 1] - t[p - 2];
+        for (int p = 0; p < powers; p++) {
+            for (int q = 0; q < powers; q++)
+                a[p][q] += t[p] / e[0] * t[q] / e[0];
+            for (int k = 0; k < harmonics; k++)
+                b[p][k] += t[p] / e[0] * (e[k] / e[0]);
+        }
+    }
+    memset(out, 0, (size_t)(harmonics * powers) * sizeof *out);
+    for (int p = 0; p < powers; p++) // symmetric and positive: no pivoting
+        for (int r = p + 1; r < powers && a[p][p] > 0; r++) {
+            double factor = a[r][p] / a[p][p];
+            for (int q = p; q < powers; q++)
+                a[r][q] -= factor * a[p][q];
+            for (int k = 0; k < harmonics; k++)
+                b[r][k] -= factor * b[p][k];
+        }
+    for (int k = 0; k < harmonics; k++) {
+        double *row = out + k * powers;
+        for (int p = powers - 1; p >= 0; p--) {
+            double v = b[p][k];
+            for (int q = p + 1; q < powers; q++)
+                v -= a[p][q] * row[q];
+            row[p] = a[p][p] > 0 ? v / a[p][p] : 0;
+        }
+        to_powers(row, powers);
+    }
+}
+
+void dual_azimuth_series(const struct dual_azimuth *z, struct dual_series *out)
+{
+    struct sample s[SAMPLES];
+    for (int i = 0; i < SAMPLES; i++)
+        s[i] = sample_at(z, -cos(pi * (i + 0.5) / SAMPLES));
+    fit(s, DUAL_R, DUAL_HARMONICS, DUAL_POWERS, out->r[0]);
+    for (int k = 0; k < 3; k++) {
+        fit(s, DUAL_TT + k, DUAL_HARMONICS, DUAL_POWERS, out->tt[k][0]);
+        fit(s, DUAL_TRT + k, DUAL_HARMONICS_TRT, DUAL_POWERS_TRT,
+            out->trt[k][0]);
+    }
+}

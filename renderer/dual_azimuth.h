@@ -1,0 +1,62 @@
+// dual_azimuth.h - what one cross section of a fibre does with light from half a
+// circle: how much goes on, how much turns back, and N^G (Xu 2011, eq 28) as a
+// short series.  Exact Fresnel, absorption along the real path, TRT smoothed by
+// w_c; no root of phi(h) is sought: everything is a sum over h.
+//
+// Channels: R; TT red, green, blue; TRT red, green, blue.
+// Thread: any.
+#ifndef RENDERER_DUAL_AZIMUTH_H
+#define RENDERER_DUAL_AZIMUTH_H
+
+enum { DUAL_R, DUAL_TT, DUAL_TRT = DUAL_TT + 3, DUAL_CHANNELS = DUAL_TRT + 3 };
+
+// Angles in radians, nothing left `auto`.
+struct dual_fibre {
+    double eta;
+    double sigma_a[3]; // RGB, per radius
+    double a;          // eccentricity: only its mean index is seen
+    double alpha[3];   // R, TT, TRT: shift in theta_h
+    double beta[3];    // standard deviation in theta_h
+    double w_c;        // Xu width
+    double delta_eta;
+};
+
+// Both divided by cos^2 theta_d, but R's: they go to zero with it.
+struct dual_energy {
+    double ahead[DUAL_CHANNELS]; // Int |phi|/pi N dphi (eq 33)
+    double all[DUAL_CHANNELS];   // Int N dphi
+};
+
+// N^G(theta_d, Phi) = scale sum_k cos(n_k Phi) sum_p row[k][p] x^p,
+//   n_k = 0, 1, 3, 5, ..., x = 2 eta/eta'(theta_d) - 1, which is in [-1, 1],
+//   scale: R 1; TT cos^2 theta_d; TRT that times schlick(cos theta_d).
+enum {
+    DUAL_HARMONICS = 8,      // of R and TT
+    DUAL_HARMONICS_TRT = 10, // of TRT
+    DUAL_POWERS = 7,
+    DUAL_POWERS_TRT = 8
+};
+struct dual_series {
+    double r[DUAL_HARMONICS][DUAL_POWERS];
+    double tt[3][DUAL_HARMONICS][DUAL_POWERS];
+    double trt[3][DUAL_HARMONICS_TRT][DUAL_POWERS_TRT];
+};
+
+enum { DUAL_GAMMAS = 64 };
+struct dual_azimuth { // private; some 3 KB
+    struct dual_fibre fibre;
+    double gamma[DUAL_GAMMAS], weight[DUAL_GAMMAS]; // Gauss-Legendre
+    double sine[DUAL_GAMMAS], cosine[DUAL_GAMMAS];
+    double eta_path; // index in TRT's paths
+    double smooth[16]; // I_n / I_0 of the smoothing Gaussian, n = 1, 3, 5, ...
+};
+
+void dual_azimuth_init(struct dual_azimuth *z, const struct dual_fibre *f);
+void dual_azimuth_energy(const struct dual_azimuth *z, double cos_d,
+                         struct dual_energy *out);
+void dual_azimuth_series(const struct dual_azimuth *z, struct dual_series *out);
+
+// The factor by which TRT's series is smooth: Fresnel's F, about.
+double dual_azimuth_schlick(double eta, double cos_d);
+
+#endif
