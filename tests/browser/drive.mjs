@@ -45,6 +45,7 @@ function serve(port) {
   return new Promise((yes, no) => {
     daemon = spawn(GLINTD, ["serve", "--listen", "127.0.0.1:" + port,
       "--hair", "builtin:ponytail", "--size", "240x160",
+      "--set", "shadow.rays=0", "--set", "render.multiple=off",
       "--set", "quality.samples=4"], { stdio: ["ignore", "pipe", "pipe"] });
     let out = "", errors = "";
     daemon.stdout.on("data", (d) => {

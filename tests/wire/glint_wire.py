@@ -275,6 +275,7 @@ class Daemon:
                    "--root", self.root, "--unix", self.unix, "--size", size,
                    "--set", "quality.samples=%d" % samples,
                    # Few lights: the fit is not what these tests are about.
+                   "--set", "shadow.method=off",  # pictures are not the point
                    "--set", "sky.lights=4"] + list(options)
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE,
                                         stderr=stderr)

@@ -19,7 +19,8 @@ class Daemon:
         self.socket = os.path.join(folder, "socket")
         self.run = subprocess.Popen(
             [GLINTD, "serve", "--listen", "127.0.0.1:0", "--unix", self.socket,
-             "--size", "96x64", "--set", "quality.samples=2"],
+             "--size", "96x64", "--set", "quality.samples=2",
+             "--set", "shadow.method=off"],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         said = self.run.stdout.readline().decode()
         if not said.startswith("listening http://"):
