@@ -1,7 +1,8 @@
 // dual_azimuth.c - sums over h = sin gamma, and the fit of N^G.
 //
 // With c_n the cosine coefficients of N_t(phi),
-//   c_n = (2 - [n = 0])/pi Int_0^{pi/2} A cos gamma cos(n phi(gamma)) dgamma / 2,
+//   c_n = (2 - [n = 0])/pi Int_0^{pi/2} A cos gamma cos(n phi(gamma)) dgamma /
+//   2,
 // smoothing multiplies them by I_n/I_0, and a half circle of light leaves
 //   N^G = c_0 + sum over odd n of 2/(pi n) sin(n pi/2) c_n cos(n Phi)
 // (even n integrate to zero).  The coefficients fall with a further 1/n, which
@@ -155,7 +156,7 @@ static struct sample sample_at(const struct dual_azimuth *z, double x)
             s.e[k][0] += r.part[k];
         for (int n = 1; n < DUAL_HARMONICS_TRT; n++) {
             for (int k = 0; k < DUAL_CHANNELS; k++)
-                s.e[k][n] += r.part[k] * now[k == DUAL_R     ? 0
+                s.e[k][n] += r.part[k] * now[k == DUAL_R    ? 0
                                              : k < DUAL_TRT ? 1
                                                             : 2];
             for (int t = 0; t < 3; t++) {

@@ -1,7 +1,7 @@
-// dual_azimuth.h - what one cross section of a fibre does with light from half a
-// circle: how much goes on, how much turns back, and N^G (Xu 2011, eq 28) as a
-// short series.  Exact Fresnel, absorption along the real path, TRT smoothed by
-// w_c; no root of phi(h) is sought: everything is a sum over h.
+// dual_azimuth.h - what one cross section of a fibre does with light from half
+// a circle: how much goes on, how much turns back, and N^G (Xu 2011, eq 28) as
+// a short series.  Exact Fresnel, absorption along the real path, TRT smoothed
+// by w_c; no root of phi(h) is sought: everything is a sum over h.
 //
 // Channels: R; TT red, green, blue; TRT red, green, blue.
 // Thread: any.
@@ -47,7 +47,7 @@ struct dual_azimuth { // private; some 3 KB
     struct dual_fibre fibre;
     double gamma[DUAL_GAMMAS], weight[DUAL_GAMMAS]; // Gauss-Legendre
     double sine[DUAL_GAMMAS], cosine[DUAL_GAMMAS];
-    double eta_path; // index in TRT's paths
+    double eta_path;   // index in TRT's paths
     double smooth[16]; // I_n / I_0 of the smoothing Gaussian, n = 1, 3, 5, ...
 };
 

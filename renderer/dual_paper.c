@@ -16,8 +16,7 @@ struct slice {
 
 static double schlick(const struct slice *s, double h)
 {
-    return s->f0 +
-           (1 - s->f0) * pow(1 - s->c * sqrt(fmax(1 - h * h, 0)), 5);
+    return s->f0 + (1 - s->f0) * pow(1 - s->c * sqrt(fmax(1 - h * h, 0)), 5);
 }
 
 static struct slice slice_at(double eta, double cos_d)
@@ -29,11 +28,11 @@ static struct slice slice_at(double eta, double cos_d)
 // 2 Int_0^pi phi |cos^k(phi/2)| dphi, and 2 pi Int_0^pi of the power alone.
 static void energy_r(const struct slice *s, struct dual_energy *out)
 {
-    static const double first[7] = {9.8696044011,  4.5663706144, 2.9348022005,
-                                    2.1553581898,  1.7011016503, 1.4042865517,
+    static const double first[7] = {9.8696044011, 4.5663706144, 2.9348022005,
+                                    2.1553581898, 1.7011016503, 1.4042865517,
                                     1.1953624948};
-    const double zeroth[7] = {pi, 2, pi / 2, 4. / 3, 3 * pi / 8, 16. / 15,
-                              5 * pi / 16};
+    const double zeroth[7] = {pi,         2,        pi / 2,     4. / 3,
+                              3 * pi / 8, 16. / 15, 5 * pi / 16};
     double q = 1 - s->f0, c = s->c, ahead = 0, all = 0;
     const double coefficient[7] = {0,
                                    0.25,
@@ -104,8 +103,7 @@ static void energy_tt(const struct slice *s, double sigma, double *ahead,
 static double n_trt(const struct slice *s, double sigma, double h)
 {
     double f = schlick(s, h), e2 = s->eta1 * s->eta1;
-    double slope =
-        4 / sqrt(e2 - h * h) - 2 / sqrt(fmax(1 - h * h, 1e-12));
+    double slope = 4 / sqrt(e2 - h * h) - 2 / sqrt(fmax(1 - h * h, 1e-12));
     return 0.5 / fmax(fabs(slope), 2e-6) * (1 - f) * (1 - f) * f *
            exp(-4 * sigma * sqrt(1 - h * h / e2));
 }

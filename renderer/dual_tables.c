@@ -1,4 +1,4 @@
-// dual_tables.c - integrals over the inclination, sums over paths, upload.  What
+// dual_tables.c - integrals over the inclination, sums over paths, upload. What
 // happens in a cross section is dual_azimuth.c's, or in the paper's way
 // dual_paper.c's.
 #include "renderer/dual_tables.h"
@@ -218,15 +218,12 @@ void dual_tables_mean(const struct dual_tables *t, double theta, int channel,
     double b = at - i, a = 1 - b;
     const struct dual_mean *p = &t->mean[i][channel];
     const struct dual_mean *q = &t->mean[i + 1][channel];
-    *out = (struct dual_mean){a * p->a_f + b * q->a_f,
-                              a * p->a_b + b * q->a_b,
-                              a * p->alpha_f + b * q->alpha_f,
-                              a * p->alpha_b + b * q->alpha_b,
-                              a * p->beta2_f + b * q->beta2_f,
-                              a * p->beta2_b + b * q->beta2_b,
-                              a * p->A_b + b * q->A_b,
-                              a * p->delta_b + b * q->delta_b,
-                              a * p->sigma_b + b * q->sigma_b};
+    *out = (struct dual_mean){
+        a * p->a_f + b * q->a_f,         a * p->a_b + b * q->a_b,
+        a * p->alpha_f + b * q->alpha_f, a * p->alpha_b + b * q->alpha_b,
+        a * p->beta2_f + b * q->beta2_f, a * p->beta2_b + b * q->beta2_b,
+        a * p->A_b + b * q->A_b,         a * p->delta_b + b * q->delta_b,
+        a * p->sigma_b + b * q->sigma_b};
 }
 
 // --- S_back as one view sees it ---------------------------------------------
@@ -406,8 +403,7 @@ void dual_tables_update(struct dual_tables *t, const struct dual_fibre *f,
 static void create_objects(struct dual_tables *t)
 {
     gl.CreateTextures(GL_TEXTURE_1D_ARRAY, 1, &t->texture);
-    gl.TextureStorage2D(t->texture, 1, GL_RGBA32F, COLUMNS,
-                        DUAL_TABLES_LAYERS);
+    gl.TextureStorage2D(t->texture, 1, GL_RGBA32F, COLUMNS, DUAL_TABLES_LAYERS);
     gl.TextureParameteri(t->texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     gl.TextureParameteri(t->texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     gl.TextureParameteri(t->texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);

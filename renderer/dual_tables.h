@@ -26,8 +26,8 @@ enum {
     DUAL_TABLES_BINDING = 6
 };
 
-struct dual_mean { // at one inclination of the illumination, one channel
-    double a_f, a_b;         // attenuation: 1 - a_f^2 > 0, A_b + a_b <= 1
+struct dual_mean {   // at one inclination of the illumination, one channel
+    double a_f, a_b; // attenuation: 1 - a_f^2 > 0, A_b + a_b <= 1
     double alpha_f, alpha_b; // shift, theta_h
     double beta2_f, beta2_b; // variance, theta_h: theta has four times that
     double A_b;              // multiple backscattering

@@ -10,6 +10,7 @@
 // How the scene's schemes approximate all this is not known here.
 #include "renderer/exact.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdbool.h>
 
@@ -86,9 +87,8 @@ static const double gk_w[8] = {0.022935322010529225, 0.063092092629978553,
 static const double g_w[4] = {0.129484966168869693, 0.279705391489276668,
                               0.381830050505118945, 0.417959183673469388};
 
-typedef double integrand(void *self, double x);
-
-static double kronrod(integrand *f, void *self, const double x[2], double *err)
+static double kronrod(exact_integrand *f, void *self, const double x[2],
+                      double *err)
 {
     double mid = (x[0] + x[1]) / 2, half = (x[1] - x[0]) / 2;
     double k = 0, g = 0;
@@ -104,8 +104,8 @@ static double kronrod(integrand *f, void *self, const double x[2], double *err)
     return k * half;
 }
 
-static double adapt(integrand *f, void *self, const double x[2], double tol,
-                    int depth)
+static double adapt(exact_integrand *f, void *self, const double x[2],
+                    double tol, int depth)
 {
     double err, sum = kronrod(f, self, x, &err);
     if (err <= fmax(tol, 1e-7 * fabs(sum)) || depth == 0)
@@ -114,6 +114,23 @@ static double adapt(integrand *f, void *self, const double x[2], double tol,
     const double left[2] = {x[0], mid}, right[2] = {mid, x[1]};
     return adapt(f, self, left, tol, depth - 1) +
            adapt(f, self, right, tol, depth - 1);
+}
+
+double exact_integral(exact_integrand *f, void *self, const double *edge,
+                      int panels, double tolerance)
+{
+    double part[EXACT_PANELS_MAX], part_err[EXACT_PANELS_MAX], sum = 0, all = 0;
+    assert(panels <= EXACT_PANELS_MAX);
+    for (int i = 0; i < panels; i++) {
+        part[i] = part_err[i] = 0;
+        if (edge[i + 1] > edge[i])
+            part[i] = kronrod(f, self, edge + i, part_err + i);
+        sum += part[i];
+    }
+    double tol = tolerance * fabs(sum);
+    for (int i = 0; i < panels; i++)
+        all += part_err[i] <= tol ? part[i] : adapt(f, self, edge + i, tol, 12);
+    return all;
 }
 
 // --- one path through the fibre ---------------------------------------------
@@ -361,25 +378,15 @@ static double reach(const struct outer *o, double from, double sign)
 static double mode(const struct exact_case *c, int t, bool mean)
 {
     struct outer o = {.c = c, .mode = t, .mean = mean};
-    double top = peak(&o), sum = 0;
+    double top = peak(&o);
     o.top = log_weight(&o, top);
     double lo = reach(&o, top, -1), hi = reach(&o, top, 1);
     double edge[7] = {lo,  (2 * lo + top) / 3, (lo + 2 * top) / 3,
                       top, (hi + 2 * top) / 3, (2 * hi + top) / 3,
                       hi};
-    double part[6], part_err[6];
-    for (int i = 0; i < 6; i++) {
-        part[i] = edge[i + 1] > edge[i]
-                      ? kronrod(at_theta, &o, edge + i, part_err + i)
-                      : (part_err[i] = 0);
-        sum += part[i];
-    }
     // The azimuth of an ellipse is a third integral: a tenth of the digits.
-    double tol = (t == EXACT_TRT && c->a != 1 ? 1e-5 : 1e-8) * fabs(sum);
-    sum = 0;
-    for (int i = 0; i < 6; i++)
-        sum += part_err[i] <= tol ? part[i]
-                                  : adapt(at_theta, &o, edge + i, tol, 12);
+    double tol = t == EXACT_TRT && c->a != 1 ? 1e-5 : 1e-8;
+    double sum = exact_integral(at_theta, &o, edge, 6, tol);
     return exp(o.top) * sum / (sqrt(pi) * 2 * sqrt(2) * c->beta[t]);
 }
 

@@ -16,7 +16,7 @@
 #ifndef RENDERER_EXACT_H
 #define RENDERER_EXACT_H
 
-enum { EXACT_R, EXACT_TT, EXACT_TRT, EXACT_MODES };
+enum { EXACT_R, EXACT_TT, EXACT_TRT, EXACT_MODES, EXACT_PANELS_MAX = 24 };
 
 // One fibre, one light, one view.  The first fifteen are the columns of
 // `glintd probe`, in their order.
@@ -43,6 +43,12 @@ void exact_means(const struct exact_case *c, double out[EXACT_MODES]);
 
 // e^{-x} I_0(x), x >= 0; relative error 1e-14.
 double exact_i0e(double x);
+
+// Integral of f over consecutive panels edge[0..panels]; adaptive, to a
+// relative error of `tolerance`.  f(self, x) is never asked for at an edge.
+typedef double exact_integrand(void *self, double x);
+double exact_integral(exact_integrand *f, void *self, const double *edge,
+                      int panels, double tolerance);
 
 // Unpolarised reflectance of a smooth dielectric; cos_i in [0, 1].
 double exact_fresnel(double eta, double cos_i);

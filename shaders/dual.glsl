@@ -289,28 +289,25 @@ vec3 dual_back(DualView v, float theta_j, vec3 spread2)
     return max(v.mass * shape, 0.0) * (0.564189584 * sqrt(both) * exp(-0.5 * z2));
 }
 
-// The same with the light's own lobe, cos theta_i once more and half a circle of
-// its azimuth: A_b, Delta_b, sigma_b where the product of light and S_back has
-// its centre, which for a narrow light is the light's.
+// The light's own lobe: cos theta_i and what the circular Gaussian has more than
+// the plain one, at three nodes of the product; its half circle at the centre.
 vec3 dual_back_direct(DualView v, Srbf l, float cos_phi)
 {
+    const vec3 offset = vec3(-1.22474487, 0.0, 1.22474487);
     float l2 = l.lambda * l.lambda, w2 = dot(v.width2, vec3(1.0 / 3.0));
-    float share = l2 / (l2 + w2), var = 0.5 * w2 * share;
+    float share = l2 / (l2 + w2);
     float mu = dot(v.centre, vec3(1.0 / 3.0)) - l.theta;
     mu = clamp(l.theta + mu * share, -XU_HALF_PI, XU_HALF_PI);
-    float d = 0.5 * (mu - v.theta_o), cos_i = special_cos(mu);
-    vec3 A = dual_layer(d, 7), delta = dual_layer(d, 8), sigma2 = dual_layer(d, 9);
-    vec3 away = l.theta + v.theta_o - delta, own = inversesqrt(2.0 * sigma2 + l2);
-    // What the circular Gaussian has more than the plain one.
-    float x2 = (mu - l.theta) * (mu - l.theta);
-    float more = min(x2 * x2 / (12.0 * l2), 60.0);
-    float cos_d = max(special_cos(d), 1e-4);
-    float fall = cos_i * cos_i / (cos_d * cos_d);
-    float kappa = 2.0 * cos_i * special_cos(l.theta) / l2;
+    vec3 x = mu - l.theta + sqrt(w2 * share) * offset, x2 = x * x;
+    // x^2 - 4 sin^2(x/2)
+    vec3 more = exp(min(x2 * x2 * (1.0 / 12.0 - x2 * (1.0 / 360.0)) / l2, 60.0));
+    float cos_i = special_cos(mu), kappa = 2.0 * cos_i * special_cos(l.theta) / l2;
+    vec3 fall = vec3(special_cos(l.theta + x.x), cos_i, special_cos(l.theta + x.z));
+    // I0e of another theta_i goes with the root of its cosine, or with nothing
+    float lit = dot(fall * more, vec3(1.0, 4.0, 1.0) / 6.0);
     float i0e = special_i0e(kappa);
-    // 2 pi I_0e times the share, 1/pi of S_back, sqrt(pi) lambda of the Gaussian
-    return A * own * exp(more - away * away * own * own) *
-           (2.0 * l.lambda * fall * i0e *
+    return dual_back(v, l.theta, vec3(l2)) *
+           (3.5449077 * l.lambda * lit * i0e *
             dual_half_share(kappa, i0e, cos_phi));
 }
 

@@ -1,0 +1,142 @@
+// probe_dual.c - sends cases through shaders/probe_dual.comp.  Reading and
+// checking text is the verb's.
+#include "renderer/probe_dual.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "protocol/bytes.h"
+#include "renderer/gl.h"
+#include "renderer/program.h"
+#include "renderer/xu_tables.h"
+
+enum { MULTIPLE, HALF, KINDS, GROUP = 64, BATCH = 8192 };
+enum { AT_COUNT = 0, AT_FIBRE = 1, FIBRE_VALUES = 13 };
+
+struct probe_dual {
+    struct probe_setup setup;
+    enum dual_scheme scheme;
+    struct dual_fibre fibre;
+    unsigned program[KINDS]; // 0 until first needed
+    unsigned cases, results; // buffers of a batch
+    struct xu_tables *xu;    // scheme `paper` reads them
+    struct dual_tables *dual;
+};
+
+static const struct {
+    size_t in, out;
+} sizes[KINDS] = {{PROBE_DUAL_INPUTS, PROBE_DUAL_OUTPUTS},
+                  {PROBE_DUAL_HALF_INPUTS, PROBE_DUAL_HALF_OUTPUTS}};
+
+struct probe_dual *probe_dual_create(const struct probe_setup *setup,
+                                     enum dual_scheme scheme, struct error *err)
+{
+    struct probe_dual *p = bytes_zalloc(1, sizeof *p);
+    p->setup = *setup;
+    p->scheme = scheme;
+    p->xu = xu_tables_create(setup->tables);
+    p->dual = dual_tables_create();
+    gl.CreateBuffers(1, &p->cases);
+    gl.CreateBuffers(1, &p->results);
+    gl.NamedBufferStorage(p->cases, BATCH * PROBE_DUAL_INPUTS * sizeof(float),
+                          NULL, GL_DYNAMIC_STORAGE_BIT);
+    gl.NamedBufferStorage(p->results,
+                          BATCH * PROBE_DUAL_OUTPUTS * sizeof(float), NULL,
+                          GL_DYNAMIC_STORAGE_BIT);
+    gl.ObjectLabel(GL_BUFFER, p->cases, -1, "probe cases");
+    gl.ObjectLabel(GL_BUFFER, p->results, -1, "probe results");
+    if (gl_check("making the probe's buffers", err))
+        return p;
+    probe_dual_destroy(p);
+    return NULL;
+}
+
+void probe_dual_destroy(struct probe_dual *p)
+{
+    if (!p)
+        return;
+    for (int kind = 0; kind < KINDS; kind++)
+        if (p->program[kind])
+            gl.DeleteProgram(p->program[kind]);
+    gl.DeleteBuffers(1, &p->cases);
+    gl.DeleteBuffers(1, &p->results);
+    xu_tables_destroy(p->xu);
+    dual_tables_destroy(p->dual);
+    free(p);
+}
+
+void probe_dual_fibre(struct probe_dual *p, const struct dual_fibre *f)
+{
+    p->fibre = *f;
+    dual_tables_update(p->dual, f, p->scheme);
+}
+
+const struct dual_tables *probe_dual_tables(const struct probe_dual *p)
+{
+    return p->dual;
+}
+
+static bool make_program(struct probe_dual *p, int kind, struct error *err)
+{
+    char defines[128];
+    if (p->program[kind])
+        return true;
+    snprintf(defines, sizeof defines, "XU_M=%d%s%s%s%s", p->setup.m,
+             p->setup.fine_nodes ? " XU_FINE_NODES" : "",
+             p->scheme == DUAL_SCHEME_PAPER ? " DUAL_PAPER" : "",
+             p->setup.opaque ? " XU_NO_TT_TRT" : "",
+             kind == HALF ? " PROBE_HALF" : "");
+    p->program[kind] = program_compute("probe_dual.comp", defines, err);
+    return p->program[kind] != 0;
+}
+
+static void set_fibre(const struct probe_dual *p, unsigned program)
+{
+    const struct dual_fibre *f = &p->fibre;
+    const double v[FIBRE_VALUES] = {
+        f->eta,      f->sigma_a[0], f->sigma_a[1], f->sigma_a[2], f->a,
+        f->alpha[0], f->alpha[1],   f->alpha[2],   f->beta[0],    f->beta[1],
+        f->beta[2],  f->w_c,        f->delta_eta};
+    for (int i = 0; i < FIBRE_VALUES; i++)
+        gl.ProgramUniform1f(program, AT_FIBRE + i, (float)v[i]);
+}
+
+static bool run(struct probe_dual *p, int kind, const float *cases,
+                size_t count, float *results, struct error *err)
+{
+    size_t in = sizes[kind].in, out = sizes[kind].out;
+    if (!make_program(p, kind, err))
+        return false;
+    set_fibre(p, p->program[kind]);
+    xu_tables_bind(p->xu);
+    dual_tables_bind(p->dual);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, p->cases);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, p->results);
+    gl.UseProgram(p->program[kind]);
+    while (count > 0) {
+        size_t n = count < BATCH ? count : BATCH;
+        gl.NamedBufferSubData(p->cases, 0, (GLsizeiptr)(n * in * sizeof *cases),
+                              cases);
+        gl.ProgramUniform1ui(p->program[kind], AT_COUNT, (GLuint)n);
+        gl.DispatchCompute((GLuint)((n + GROUP - 1) / GROUP), 1, 1);
+        gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+        gl.GetNamedBufferSubData(
+            p->results, 0, (GLsizeiptr)(n * out * sizeof *results), results);
+        cases += n * in;
+        results += n * out;
+        count -= n;
+    }
+    return gl_check("running the probe", err);
+}
+
+bool probe_dual_multiple(struct probe_dual *p, const float *cases, size_t count,
+                         float *results, struct error *err)
+{
+    return run(p, MULTIPLE, cases, count, results, err);
+}
+
+bool probe_dual_half(struct probe_dual *p, const float *cases, size_t count,
+                     float *results, struct error *err)
+{
+    return run(p, HALF, cases, count, results, err);
+}
