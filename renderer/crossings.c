@@ -356,19 +356,12 @@ bool crossings_update(struct crossings *c, const struct crossings_light *lights,
 
 // --- use ---------------------------------------------------------------------
 
-void crossings_bind(const struct crossings *c, const struct strands *s)
+void crossings_bind(struct crossings *c, const struct strands *s)
 {
     gl.BindBufferBase(GL_UNIFORM_BUFFER, CROSSINGS_UNIFORM_BINDING, c->uniform);
     gl.BindTextureUnit(CROSSINGS_TEXTURE_UNIT, c->atlas);
-    if (c->starts) {
-        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, CROSSINGS_STARTS_BINDING,
-                          c->starts);
-        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, CROSSINGS_PIECES_BINDING,
-                          c->pieces);
-    }
-    if (s && s->opacity)
-        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, CROSSINGS_OPACITY_BINDING,
-                          s->opacity);
+    if (c->rays.list[0] && s)
+        crossings_lists_bind(c, s);
 }
 
 void crossings_read_stats(struct crossings *c, struct crossings_stats *out)

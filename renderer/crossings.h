@@ -36,9 +36,7 @@ enum {
     // What crossings_bind binds, for shaders that include shadow.glsl.
     CROSSINGS_UNIFORM_BINDING = 5, // uniform block
     CROSSINGS_TEXTURE_UNIT = 8,
-    CROSSINGS_STARTS_BINDING = 12, // storage: only for rays
-    CROSSINGS_PIECES_BINDING = 13,
-    CROSSINGS_OPACITY_BINDING = 14,
+    CROSSINGS_TEXTURE_UNITS = 6, // and those after it, for rays
 };
 
 struct crossings_light {
@@ -76,12 +74,17 @@ struct crossings { // zero-initialised is empty; all fields are private
     struct crossings_block *block; // what the uniform block holds
     float box_min[3], voxel;       // world
     int size[3];                   // voxels, multiples of 4
-    unsigned tensor[2]; // 3-D textures: rho, rho A_xx, A_yy, A_zz; rho A_yz,
-                        // A_zx, A_xy
-    unsigned atlas;     // 3-D texture: a tile a direction
-    int tiles[3];       // tiles of the atlas along x, y, z
-    unsigned uniform;   // buffer
-    unsigned starts, pieces;        // buffers, 0 until crossings_build_lists
+    unsigned tensor[2];   // 3-D textures: rho, rho A_xx, A_yy, A_zz; rho A_yz,
+                          // A_zx, A_xy
+    unsigned atlas;       // 3-D texture: a tile a direction
+    int tiles[3];         // tiles of the atlas along x, y, z
+    unsigned uniform;     // buffer
+    struct {              // for rays; 0 until crossings_build_lists
+        unsigned list[2]; // buffers: where a cell's pieces start, the pieces
+        unsigned texture[5]; // these, and the strands' points, indices and
+                             // opacities, as texture buffers
+        unsigned of[3];      // the strands' buffers that these look into
+    } rays;
     unsigned ways, state, bytes[2]; // scratch: directions of a group, the
                                     // slice at hand, finished tiles
     unsigned before;                // `state` as a texture
@@ -101,22 +104,22 @@ bool crossings_build_grid(struct crossings *c, const struct groom *g,
                           const struct params *p,
                           const struct crossings_options *o, struct error *err);
 
-// When the lights' places or widths changed (not their colours).  At most
+// When the lights' places or widths changed (not their colours).  Storage
+// blocks 0 and 1, uniform block 1 and textures 0 to 2 are bound anew.  At most
 // CROSSINGS_LIGHTS_MAX.  Takes fewer directions where the budget or the device
 // has no room for all; fails where not even one a light fits.
 bool crossings_update(struct crossings *c, const struct crossings_light *lights,
                       int count, enum crossings_quality quality,
                       struct error *err);
 
-// For rays: lists of the segments in each voxel.  Once a grid, before the first
-// crossings_bind with rays.
+// For rays: lists of the segments near every place.  Once a grid, any time
+// before the first use of shadow_nodes_rays.
 bool crossings_build_lists(struct crossings *c, const struct groom *g,
                            const struct params *p, struct error *err);
 
-// Binds what shadow.glsl reads; of the strands their opacities, where they have
-// some.  With SHADOW_RAYS the strands' points and indices are to be bound where
-// scene.glsl has them.
-void crossings_bind(const struct crossings *c, const struct strands *s);
+// Binds what shadow.glsl reads; `s` is the same hair, only looked at when there
+// are lists.
+void crossings_bind(struct crossings *c, const struct strands *s);
 
 // Waits for the sweeps of the last update.
 void crossings_read_stats(struct crossings *c, struct crossings_stats *out);

@@ -163,24 +163,54 @@ static bool make(const struct crossings_hair *h, const int size[3],
 
 void crossings_lists_forget(struct crossings *c)
 {
-    const unsigned lists[] = {c->starts, c->pieces};
-    gl.DeleteBuffers(2, lists);
-    c->starts = c->pieces = 0;
+    gl.DeleteBuffers(2, c->rays.list);
+    gl.DeleteTextures(5, c->rays.texture);
+    memset(&c->rays, 0, sizeof c->rays);
     c->stats.lists_bytes = 0;
+}
+
+static void look_into(unsigned *texture, GLenum format, unsigned buffer)
+{
+    gl.DeleteTextures(1, texture);
+    *texture = 0;
+    if (!buffer)
+        return;
+    gl.CreateTextures(GL_TEXTURE_BUFFER, 1, texture);
+    gl.TextureBuffer(*texture, format, buffer);
+}
+
+// A buffer's name may come again after it was deleted, but then the lists were
+// forgotten with the grid.
+void crossings_lists_bind(struct crossings *c, const struct strands *s)
+{
+    const unsigned of[3] = {s->position, s->strand, s->opacity};
+    static const GLenum format[3] = {GL_RGBA32F, GL_R32UI, GL_R32F};
+    for (int i = 0; i < 3; i++)
+        if (c->rays.of[i] != of[i])
+            look_into(&c->rays.texture[2 + i], format[i], of[i]);
+    memcpy(c->rays.of, of, sizeof of);
+    for (GLuint i = 0; i < 5; i++)
+        if (c->rays.texture[i])
+            gl.BindTextureUnit(CROSSINGS_TEXTURE_UNIT + 1 + i,
+                               c->rays.texture[i]);
 }
 
 static void send(struct crossings *c, const int size[3], const uint32_t *starts,
                  const uint32_t *pieces)
 {
     const size_t cells = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
-    const size_t count = starts[cells];
-    gl.CreateBuffers(1, &c->starts);
-    gl.CreateBuffers(1, &c->pieces);
-    gl.NamedBufferStorage(c->starts, (GLsizeiptr)(4 * (cells + 1)), starts, 0);
-    gl.NamedBufferStorage(c->pieces, (GLsizeiptr)(4 * (count + 1)), pieces, 0);
-    gl.ObjectLabel(GL_BUFFER, c->starts, -1, "crossings cells");
-    gl.ObjectLabel(GL_BUFFER, c->pieces, -1, "crossings pieces");
-    c->stats.lists_bytes = 4 * (cells + 2 + count);
+    const size_t bytes[2] = {4 * (cells + 1), 4 * ((size_t)starts[cells] + 1)};
+    const void *const data[2] = {starts, pieces};
+    static const char *const name[2] = {"crossings cells", "crossings pieces"};
+    gl.CreateBuffers(2, c->rays.list);
+    for (int i = 0; i < 2; i++) {
+        gl.NamedBufferStorage(c->rays.list[i], (GLsizeiptr)bytes[i], data[i],
+                              0);
+        gl.ObjectLabel(GL_BUFFER, c->rays.list[i], -1, name[i]);
+    }
+    for (int i = 0; i < 2; i++)
+        look_into(&c->rays.texture[i], GL_R32UI, c->rays.list[i]);
+    c->stats.lists_bytes = bytes[0] + bytes[1];
     for (int k = 0; k < 3; k++)
         c->block->cells[k] = (float)size[k];
     c->block->cells[3] = CELLS;
@@ -195,13 +225,12 @@ bool crossings_build_lists(struct crossings *c, const struct groom *g,
     const int size[3] = {CELLS * c->size[0], CELLS * c->size[1],
                          CELLS * c->size[2]};
     const uint64_t cells = CELLS * CELLS * CELLS * crossings_voxels(c);
-    GLint64 block = 0;
-    gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &block);
-    uint64_t most = (uint64_t)block / 4 - 1;
-    most = most > UINT32_MAX ? UINT32_MAX : most;
+    GLint texels = 0;
+    gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+    const uint64_t most = (uint64_t)texels - 1;
     uint32_t *pieces = NULL, *starts = NULL;
     crossings_lists_forget(c);
-    bool ok = cells <= most;
+    bool ok = cells <= most && g->points <= most;
     if (ok) {
         struct crossings_hair hair;
         starts = bytes_zalloc((size_t)cells + 1, sizeof *starts);
@@ -215,9 +244,10 @@ bool crossings_build_lists(struct crossings *c, const struct groom *g,
     free(pieces);
     c->stats.lists_ms = 1e3 * (timer_now() - began);
     return ok ? gl_check("the shadows' lists", err)
-              : error_set(err, "limit", "shadow",
-                          "shadows: lists of the segments near each of %d x %d "
-                          "x %d cells are larger than the %lld bytes that this "
-                          "device allows a buffer",
-                          size[0], size[1], size[2], (long long)block);
+              : error_set(
+                    err, "limit", "shadow",
+                    "shadows: lists of the %u points near each of %d x %d "
+                    "x %d cells are longer than the %d entries that "
+                    "this device allows a buffer",
+                    g->points, size[0], size[1], size[2], texels);
 }

@@ -37,6 +37,7 @@ void crossings_grid_splat(const struct crossings_hair *h, const int size[3],
 
 // --- crossings_lists.c: which segments are near (crossings_build_lists)
 void crossings_lists_forget(struct crossings *c);
+void crossings_lists_bind(struct crossings *c, const struct strands *s);
 
 // --- crossings_sweep.c: what is in a tile
 bool crossings_sweep_init(struct crossings *c, struct error *err);

@@ -44,10 +44,6 @@ bool crossings_probe(const struct crossings_probe_run *run,
         gl.ProgramUniform1ui(program, AT_RAYS, (GLuint)run->rays);
     if (run->crossings)
         crossings_bind(run->crossings, run->strands);
-    if (run->strands) {
-        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, run->strands->position);
-        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, run->strands->strand);
-    }
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, in);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, out);
     gl.UseProgram(program);

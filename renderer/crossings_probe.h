@@ -20,9 +20,9 @@ struct crossings_result {           // std430
 };
 
 struct crossings_probe_run {
-    const struct crossings *crossings; // with directions for the lights
-    const struct strands *strands;     // needed for rays
-    int rays;                          // a light; 0: the voxels alone
+    struct crossings *crossings;   // with directions for the lights
+    const struct strands *strands; // needed for rays
+    int rays;         // a light (crossings_build_lists); 0: the voxels alone
     bool given_nodes; // places hold packed nodes in the bits of p[0] and p[1]
     float attenuation[4];
 };

@@ -1,10 +1,6 @@
 #version 450 core
 // Nodes for arrays of points and lights, and what is read from them, by the
 // very functions of a picture.
-#ifdef SHADOW_RAYS
-layout(std430, binding = 0) readonly buffer Points { vec4 points[]; };
-layout(std430, binding = 1) readonly buffer Strands { uint strand_of[]; };
-#endif
 #include "shadow.glsl"
 layout(local_size_x = 64) in;
 layout(location = 0) uniform uvec2 count; // points, lights

@@ -72,20 +72,29 @@ vec4 shadow_unpack(uvec2 bits)
     return vec4(unpackUnorm2x16(bits.x), unpackUnorm2x16(bits.y));
 }
 
+// The nodes of one way of a light; p seen from the grid (g, in voxels) and
+// from the head (o).
+vec4 shadow_along(uint way, vec3 g, vec3 o, float wide)
+{
+    vec3 w = shadow_way[2u * way].xyz;
+    float x = shadow_far(g + shadow_size.w * w, way);
+    float open = shadow_head.w > 0.0 ? shadow_past_head(o, w, wide) : 1.0;
+    return open * shadow_powers(x);
+}
+
+vec4 shadow_smooth(uvec4 light, vec3 g, vec3 o)
+{
+    vec4 sum = vec4(0.0);
+    for (uint k = light.x; k < light.x + light.y; k++)
+        sum += shadow_along(k, g, o, uintBitsToFloat(light.w));
+    return sum / float(max(light.y, 1u));
+}
+
 uvec2 shadow_nodes(uint light, vec3 p, vec3 u, uint segment, uint key)
 {
-    uvec4 l = shadow_light[light];
     vec3 g = (p - shadow_box.xyz) * shadow_box.w;
     vec3 o = (p - shadow_head.xyz) * shadow_inverse.xyz;
-    float wide = uintBitsToFloat(l.w);
-    vec4 sum = vec4(0.0);
-    for (uint k = l.x; k < l.x + l.y; k++) {
-        vec3 w = shadow_way[2u * k].xyz;
-        float x = shadow_far(g + shadow_size.w * w, k);
-        float open = shadow_head.w > 0.0 ? shadow_past_head(o, w, wide) : 1.0;
-        sum += open * shadow_powers(x);
-    }
-    return shadow_pack(sum / float(max(l.y, 1u)));
+    return shadow_pack(shadow_smooth(shadow_light[light], g, o));
 }
 
 #ifdef SHADOW_RAYS
@@ -105,8 +114,10 @@ vec3 shadow_direction(vec3 z, float lambda, uint i, uint n, vec2 shift)
     return normalize(z + (sine * (cos(phi) * x + sin(phi) * y) - lack * z));
 }
 
-// `rays` (1 to 16) of them, spread over the lobe by a place's key.  Where
-// they end each reads the way of the light that is nearest.
+// `rays` (1 to 16) of them, spread over the lobe by a place's key.  Where a ray
+// ends it reads on along the light's way that is nearest.  What is averaged is
+// by how much that differs from what this way alone says (a control variate):
+// few rays then find what the voxels miss without being noisier than needed.
 uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
                         uint rays)
 {
@@ -115,11 +126,12 @@ uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
     vec3 o = (p - shadow_head.xyz) * shadow_inverse.xyz;
     vec3 z = shadow_centre[light].xyz;
     float lambda = uintBitsToFloat(l.z), reach = shadow_inverse.w;
-    // what one ray stands for, as in fill_block of crossings.c
-    float wide = max(lambda, 1e-4) * sqrt(3.14159265 / float(rays));
+    // Half of what one ray stands for (see fill_block of crossings.c): where it
+    // goes is drawn already, and the head's rim shall not be blurred twice.
+    float wide = max(lambda, 1e-4) * sqrt(0.785398163 / float(rays));
     uint seed = shadow_mix(key ^ shadow_mix(light + 0x9e3779b9u));
     vec2 shift = vec2(seed >> 8u, shadow_mix(seed) >> 8u) / 16777216.0;
-    uint strand = strand_of[segment];
+    uint strand = texelFetch(shadow_strands, int(segment)).x;
     vec4 sum = vec4(0.0);
     for (uint i = 0u; i < rays; i++) {
         vec3 w = shadow_direction(z, lambda, i, rays, shift);
@@ -136,8 +148,14 @@ uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
         float x = shadow_far(g + (end / shadow_cells.w) * w, way);
         x *= exp(-0.05 * n);
         sum += open * shadow_powers(x);
+        sum -= shadow_along(way, g, o, uintBitsToFloat(l.w));
     }
-    return shadow_pack(sum / float(max(rays, 1u)));
+    vec4 mean = shadow_smooth(l, g, o) + sum / float(max(rays, 1u));
+    mean.w = clamp(mean.w, 0.0, 1.0);
+    mean.z = clamp(mean.z, 0.0, mean.w);
+    mean.y = clamp(mean.y, 0.0, mean.z);
+    mean.x = clamp(mean.x, 0.0, mean.y);
+    return shadow_pack(mean);
 }
 #endif
 

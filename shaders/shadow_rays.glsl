@@ -1,10 +1,12 @@
 // shadow_rays.glsl - rays that count real fibres near a point, before the
 // voxels take over: what shadow_nodes_rays of shadow.glsl is made of.
-// Includers have `points` and `strand_of` as in scene.glsl.
-layout(std430, binding = 12) readonly buffer Starts { uint starts_of[]; };
-layout(std430, binding = 13) readonly buffer Pieces { uint piece_of[]; };
+// All by texel fetches: some drivers fetch from storage blocks word by word.
+layout(binding = 9) uniform usamplerBuffer shadow_starts;
+layout(binding = 10) uniform usamplerBuffer shadow_pieces;
+layout(binding = 11) uniform samplerBuffer shadow_points; // as in scene.glsl
+layout(binding = 12) uniform usamplerBuffer shadow_strands;
 #ifdef WITH_OPACITY
-layout(std430, binding = 14) readonly buffer Opacities { float opacities[]; };
+layout(binding = 13) uniform samplerBuffer shadow_opacities;
 #endif
 
 uint shadow_mix(uint x)
@@ -19,20 +21,23 @@ uint shadow_mix(uint x)
 // What one fibre counts that begins at point i; 0 when the ray misses it.  A
 // ribbon that faces the ray: the foot of the perpendicular lies on it, nearer
 // than half its diameter.  from, to: the part of the ray that is asked for.
-float shadow_meets(uint i, vec3 p, vec3 w, float from, float to, uint strand)
+float shadow_meets(int i, vec3 p, vec3 w, float from, float to, uint strand)
 {
-    vec4 a = points[i], b = points[i + 1u];
+    vec4 a = texelFetch(shadow_points, i), b = texelFetch(shadow_points, i + 1);
     vec3 d = a.xyz - p, e = b.xyz - a.xyz;
     float dw = dot(d, w), ew = dot(e, w);
     vec3 across = e - ew * w, off = d - dw * w;
     float t = -dot(off, across) / max(dot(across, across), 1e-30);
     off += t * across;
     float far = dw + t * ew, wide = mix(abs(a.w), abs(b.w), t);
-    float least = strand_of[i] == strand ? max(from, 8.0 * wide) : from;
+    bool own = texelFetch(shadow_strands, i).x == strand;
+    float least = own ? max(from, 8.0 * wide) : from;
     bool met = t >= 0.0 && t < 1.0 && far >= least && far < to && far > 0.0 &&
                4.0 * dot(off, off) < wide * wide;
 #ifdef WITH_OPACITY
-    return met ? mix(opacities[i], opacities[i + 1u], t) : 0.0;
+    float o = mix(texelFetch(shadow_opacities, i).x,
+                  texelFetch(shadow_opacities, i + 1).x, t);
+    return met ? o : 0.0;
 #else
     return met ? shadow_texel.w : 0.0;
 #endif
@@ -42,7 +47,7 @@ float shadow_meets(uint i, vec3 p, vec3 w, float from, float to, uint strand)
 // many it stops sooner, and reach becomes how far it came: what is left of the
 // light there need not be known so well.  g: p in cells.  A fibre is listed in
 // every cell that it touches and counts in the one where the ray meets it.
-const float SHADOW_MANY = 6.0;
+const float SHADOW_MANY = 3.0;
 float shadow_near(vec3 p, vec3 g, vec3 w, uint strand, inout float reach)
 {
     vec3 size = shadow_cells.xyz, way = sign(w);
@@ -52,12 +57,13 @@ float shadow_near(vec3 p, vec3 g, vec3 w, uint strand, inout float reach)
     next = mix(next, vec3(1e9), equal(way, vec3(0.0)));
     float unit = 1.0 / (shadow_box.w * shadow_cells.w), from = -1.0, sum = 0.0;
     float to = min(min(next.x, next.y), min(next.z, reach));
-    uint at = uint(cell.x + size.x * (cell.y + size.y * cell.z));
-    uint i = starts_of[at], end = starts_of[at + 1u];
+    int at = int(cell.x + size.x * (cell.y + size.y * cell.z));
+    uint i = texelFetch(shadow_starts, at).x;
+    uint end = texelFetch(shadow_starts, at + 1).x;
     for (;;) {
         if (i < end) {
-            sum += shadow_meets(piece_of[i], p, w, from * unit, to * unit,
-                                strand);
+            int piece = int(texelFetch(shadow_pieces, int(i)).x);
+            sum += shadow_meets(piece, p, w, from * unit, to * unit, strand);
             i++;
         }
         if (i >= end) {
@@ -70,9 +76,9 @@ float shadow_near(vec3 p, vec3 g, vec3 w, uint strand, inout float reach)
                 any(greaterThanEqual(cell, size)))
                 break;
             to = min(min(next.x, next.y), min(next.z, reach));
-            at = uint(cell.x + size.x * (cell.y + size.y * cell.z));
-            i = starts_of[at];
-            end = starts_of[at + 1u];
+            at = int(cell.x + size.x * (cell.y + size.y * cell.z));
+            i = texelFetch(shadow_starts, at).x;
+            end = texelFetch(shadow_starts, at + 1).x;
         }
     }
     reach = sum >= SHADOW_MANY ? from : reach;
