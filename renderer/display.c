@@ -97,7 +97,7 @@ bool display_draw(struct display *d, const struct params *p,
     gl.UseProgram(d->program[background]);
     gl.ProgramUniform1f(d->program[background], 0,
                         samples > 0 ? 1 / (float)samples : 0);
-    gl.DispatchCompute((GLuint)((d->size / 4 + 63) / 64), 1, 1);
+    gl_dispatch(d->size / 4);
     gl.MemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
     return true;
 }

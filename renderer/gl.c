@@ -40,3 +40,12 @@ bool gl_check(const char *doing, struct error *err)
                                                  : "OpenGL error";
     return error_set(err, "gpu", doing, "%s: %s (0x%04x)", doing, what, code);
 }
+
+void gl_dispatch(uint64_t n)
+{
+    const uint64_t groups = (n + 63) / 64;
+    const uint64_t rows = (groups + GL_ROW_GROUPS - 1) / GL_ROW_GROUPS;
+    gl.DispatchCompute(
+        (GLuint)(groups < GL_ROW_GROUPS ? groups : GL_ROW_GROUPS), (GLuint)rows,
+        1);
+}

@@ -5,6 +5,7 @@
 #define RENDERER_GL_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 #include <GL/glcorearb.h>
 
@@ -111,5 +112,11 @@ bool gl_load(struct error *err);
 
 // The first pending GL error as an error that names `doing`; true when none.
 bool gl_check(const char *doing, struct error *err);
+
+// Runs the program in use for n invocations in groups of 64, in rows, for GL
+// promises no more than 65535 groups along an axis.  A shader's number is
+// gl_GlobalInvocationID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x * 64.
+enum { GL_ROW_GROUPS = 32768 }; // count.comp has it too
+void gl_dispatch(uint64_t n);
 
 #endif

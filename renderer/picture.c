@@ -35,7 +35,7 @@ static bool rasters(struct picture *p, bool opacity, struct error *err)
     p->wide = program_raster("visible.vert", "visible.frag",
                              opacity ? "WIDE WITH_OPACITY" : "WIDE", err);
     p->opacity_variant = opacity;
-    return p->thin && p->wide;
+    return p->thin && p->wide; // 0 where one failed: tried again next time
 }
 
 // Quads share their corners, so a corner is transformed once.
@@ -155,8 +155,9 @@ static bool cell_store(struct picture *p, const struct params *params,
             (long long)limit, (long long)(limit / 32));
     uint64_t maps = (budget - (22 * slots < budget ? 22 * slots : budget)) /
                     (4 * pixels);
-    if (maps > (uint64_t)limit / (4 * pixels))
-        maps = (uint64_t)limit / (4 * pixels);
+    const uint64_t most = (uint64_t)limit / (4 * pixels) - 1; // see below
+    if (maps > most)
+        maps = most;
     if (maps > (uint64_t)params->quality.samples)
         maps = (uint64_t)params->quality.samples;
     p->maps = maps < 1 ? 1 : (int)maps;
@@ -311,7 +312,8 @@ bool picture_see(struct picture *p, const struct strands *s, int k,
                  struct error *err)
 {
     const bool opacity = s->opacity != 0;
-    if (opacity != p->opacity_variant && !rasters(p, opacity, err))
+    const bool made = p->thin && p->wide && opacity == p->opacity_variant;
+    if (!made && !rasters(p, opacity, err))
         return false;
     const uint64_t pixels = (uint64_t)p->width * (uint64_t)p->height;
     if (k >= p->seen && p->listed + pixels > p->slots / 2) {
@@ -359,7 +361,7 @@ void picture_dispatch_lights(const struct picture *p)
 void picture_add(struct picture *p)
 {
     gl.UseProgram(p->add);
-    gl.DispatchCompute((GLuint)(p->width * p->height + 63) / 64, 1, 1);
+    gl_dispatch((uint64_t)p->width * (uint64_t)p->height);
     gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT |
                      GL_BUFFER_UPDATE_BARRIER_BIT);
 }

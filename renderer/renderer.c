@@ -110,6 +110,18 @@ const char *renderer_device(const struct renderer *r)
 
 // --- what is stale -----------------------------------------------------------
 
+// The next sample is the picture's first.  Where the list of cells has to be
+// made anew its order is another, and what was kept by it is lost.
+static void restart(struct renderer *r, bool refined)
+{
+    if (r->picture.flushed)
+        r->nodes.first_valid = false;
+    picture_restart(&r->picture);
+    r->samples = 0;
+    r->refined = refined;
+    r->unstored = false;
+}
+
 // Marks a stage and all that come after it.
 void renderer_mark(struct renderer *r, enum renderer_stage first)
 {
@@ -120,12 +132,8 @@ void renderer_mark(struct renderer *r, enum renderer_stage first)
     for (int i = 0; i < RENDERER_STAGES; i++)
         if (marked & BIT(i))
             r->stale[i] = true;
-    if (marked & BIT(RENDERER_RESOLVE)) {
-        r->samples = 0;
-        r->refined = false;
-        r->unstored = false;
-        picture_restart(&r->picture);
-    }
+    if (marked & BIT(RENDERER_RESOLVE))
+        restart(r, false);
 }
 
 bool renderer_set_groom(struct renderer *r, struct groom *g, struct error *err)
@@ -162,11 +170,8 @@ void renderer_set_params(struct renderer *r, const struct params *p)
     struct params before = r->params;
     egl_use(r->egl);
     // More samples only continue a picture; fewer begin it anew.
-    if (p->quality.samples < r->samples) {
-        r->samples = 0;
-        r->refined = false;
-        picture_restart(&r->picture);
-    }
+    if (p->quality.samples < r->samples)
+        restart(r, false);
     before.quality.samples = p->quality.samples;
     uint32_t changed = params_changed(&before, p);
     r->params = *p;
@@ -206,13 +211,12 @@ bool renderer_step(struct renderer *r, bool *done, struct error *err)
     if (!run_setup(r, err))
         return false;
     const bool refine = renderer_shadowed(r) && r->params.shadow.rays > 0;
-    if (refine && !r->refined && r->samples > 0) {
-        r->refined = true; // the smooth picture was shown; now the real one
-        r->samples = 0;
-        picture_restart(&r->picture);
-    }
-    if (r->samples < r->params.quality.samples && !renderer_sample(r, err))
+    if (refine && !r->refined && r->samples > 0)
+        restart(r, true); // the smooth picture was shown; now the real one
+    if (r->samples < r->params.quality.samples && !renderer_sample(r, err)) {
+        renderer_mark(r, RENDERER_VISIBLE); // half a sample may be in the sum
         return false;
+    }
     *done = r->samples >= r->params.quality.samples &&
             (!refine || r->refined);
     return true;

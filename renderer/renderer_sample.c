@@ -71,11 +71,11 @@ static bool shade(struct renderer *r, int k, struct error *err)
     if (renderer_shadowed(r) && !shadow(r, k, &how.nodes, err))
         return false;
     timer_begin(&r->timer, RENDERER_SHADE, "shade");
-    if (!shading_bind(&r->shading, &r->strands, &how, err))
-        return false;
-    picture_dispatch(&r->picture);
+    bool ok = shading_bind(&r->shading, &r->strands, &how, err);
+    if (ok)
+        picture_dispatch(&r->picture);
     timer_end(&r->timer, RENDERER_SHADE);
-    return true;
+    return ok;
 }
 
 bool renderer_sample(struct renderer *r, struct error *err)
@@ -85,9 +85,10 @@ bool renderer_sample(struct renderer *r, struct error *err)
     bind_scene(r, k);
     if (picture_must_see(&r->picture, k)) {
         timer_begin(t, RENDERER_VISIBLE, "visible");
-        if (!picture_see(&r->picture, &r->strands, k, err))
-            return false;
+        bool seen = picture_see(&r->picture, &r->strands, k, err);
         timer_end(t, RENDERER_VISIBLE);
+        if (!seen)
+            return false;
     }
     picture_prepare(&r->picture, k, r->lights.used);
     if (!shade(r, k, err))
@@ -122,10 +123,10 @@ bool renderer_read_display(struct renderer *r, struct buf *out,
     bind_scene(r, r->samples - 1);
     timer_begin(t, RENDERER_DISPLAY, "display");
     picture_bind(&r->picture);
-    if (!display_draw(&r->display, &r->params, r->map, r->samples, err))
-        return false;
+    bool drawn =
+        display_draw(&r->display, &r->params, r->map, r->samples, err);
     timer_end(t, RENDERER_DISPLAY);
-    if (!wait_for_gpu("display", err))
+    if (!drawn || !wait_for_gpu("display", err))
         return false;
     double began = timer_now();
     display_read(&r->display, out);

@@ -10,6 +10,9 @@
 #include "renderer/gl.h"
 #include "renderer/place.h"
 
+// A cell's key (scene.glsl) has 32 bits, CELL_BITS of them for the cell.
+enum { POINTS_MAX = 1 << 23 };
+
 static bool upload(unsigned *buffer, const void *data, size_t size,
                    const char *name, struct error *err)
 {
@@ -96,6 +99,11 @@ bool strands_build(struct strands *s, const struct groom *g,
 {
     strands_finish(s);
     const size_t n = g->points;
+    if (n > POINTS_MAX)
+        return error_set(err, "limit", "hair",
+                         "hair: %zu points are more than the %d that can be "
+                         "told apart",
+                         n, POINTS_MAX);
     float *position = bytes_zalloc(n * 4, sizeof *position);
     uint32_t *strand = bytes_zalloc(n, sizeof *strand);
     s->up = place_up(g, p);

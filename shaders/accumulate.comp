@@ -9,7 +9,8 @@ layout(std430, binding = 10) buffer Head { float head[]; };
 
 void main()
 {
-    uint at = gl_GlobalInvocationID.x;
+    uint row = gl_NumWorkGroups.x * 64u;
+    uint at = gl_GlobalInvocationID.x + gl_WorkGroupID.y * row;
     if (at >= uint(size.x) * uint(size.y))
         return;
     uint to = map[sample_index.w + at];

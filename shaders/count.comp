@@ -6,12 +6,16 @@ layout(location = 0) uniform uint kept;       // index of this sample's part
 layout(location = 1) uniform uint close_part; // 1: the part ends at `listed`
 layout(location = 2) uniform uint lights;
 
+const uint ROW_GROUPS = 32768u; // GL_ROW_GROUPS of gl.h
+
 void main()
 {
     if (close_part == 1u)
         list_end[kept] = listed;
     uint begin = kept > 0u ? list_end[kept - 1u] : 0u;
     shaded = list_end[kept] - begin;
-    dispatch = uvec4((shaded + 63u) / 64u, 1u, 1u, begin);
-    shadow_dispatch = uvec4((shaded + 63u) / 64u, max(lights, 1u), 1u, 0u);
+    uint groups = (shaded + 63u) / 64u, x = min(groups, ROW_GROUPS);
+    uint rows = (groups + ROW_GROUPS - 1u) / ROW_GROUPS;
+    dispatch = uvec4(x, max(rows, 1u), 1u, begin);
+    shadow_dispatch = uvec4(x, max(lights, 1u), max(rows, 1u), 0u);
 }

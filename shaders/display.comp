@@ -70,7 +70,8 @@ vec3 curve(vec3 x)
 
 void main()
 {
-    uint at = gl_GlobalInvocationID.x, width = uint(size.x);
+    uint row = gl_NumWorkGroups.x * 64u, width = uint(size.x);
+    uint at = gl_GlobalInvocationID.x + gl_WorkGroupID.y * row;
     if (at >= width * uint(size.y))
         return;
     vec4 hair = sum[at] * inverse_samples;

@@ -168,7 +168,9 @@ vec3 shade(Place c, uint at)
 
 void main()
 {
-    uint at = gl_GlobalInvocationID.x; // within this sample's part
+    uint row = gl_NumWorkGroups.x * 64u;
+    // within this sample's part
+    uint at = gl_GlobalInvocationID.x + gl_WorkGroupID.y * row;
     if (dispatch.w + at >= list_end[kept])
         return;
     uint slot = list[dispatch.w + at];

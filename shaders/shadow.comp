@@ -15,7 +15,9 @@ layout(location = 3) uniform uint rays;
 
 void main()
 {
-    uint i = gl_GlobalInvocationID.x, at = dispatch.w + i;
+    uint row = gl_NumWorkGroups.x * 64u;
+    uint i = gl_GlobalInvocationID.x + gl_WorkGroupID.z * row;
+    uint at = dispatch.w + i;
     uint light = gl_WorkGroupID.y;
     if (at >= list_end[kept])
         return;
