@@ -111,6 +111,7 @@ static bool due(const struct studio *s, const struct studio_wish *w,
     if (reached == 0)
         return false;
     return d->revision != s->live_revision || d->samples < reached ||
+           (s->done && !d->final) ||
            (d->hasty && s->done && !in_haste(w, now));
 }
 
@@ -128,8 +129,7 @@ bool studio_wants(const struct studio *s, const struct studio_wish *w,
         const struct studio_demand *d = &w->demand[i];
         // After a capture at another size the live picture is made again
         // only for a viewer that lacks something.
-        bool lacks = d->revision != s->live_revision ||
-                     d->samples < s->set.quality.samples;
+        bool lacks = d->revision != s->live_revision || !d->final;
         if (s->live ? due(s, w, d, now)
                     : lacks || (d->hasty && !in_haste(w, now)))
             return true;
@@ -237,6 +237,7 @@ void studio_served(struct studio_demand *d, const struct studio_frame *f)
 {
     d->revision = f->revision;
     d->samples = f->samples;
+    d->final = f->final;
     d->hasty = f->hasty;
 }
 

@@ -29,6 +29,7 @@ struct studio_demand {
     struct still_encoding how; // quality 0: 75 4:2:0 in haste, 90 4:4:4 later
     uint64_t revision;         // 0: none yet
     int samples;
+    bool final; // not told by samples: the last of them may be made anew
     bool hasty; // it was encoded in haste
 };
 

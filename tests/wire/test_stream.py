@@ -47,6 +47,18 @@ def levels_of_refinement(d):
     c.close()
 
 
+def a_picture_made_anew_becomes_final(d):
+    """With rays the one sample is made a second time: that is the final one,
+    though its samples are as many as before."""
+    c = d.connect()
+    r = c.ask("set quality.samples=1 shadow.method=crossings shadow.rays=1")
+    c.ask("stream on window=8 format=png")
+    frames = until_final(c, r["revision"])
+    equal([f["level"] for f in frames], ["full", "final"], "levels")
+    c.ask("set quality.samples=4 shadow.method=off")
+    c.close()
+
+
 def edits_show_with_seq_and_echo(d):
     c = d.connect()
     r = c.ask("stream on")["revision"]
@@ -354,6 +366,7 @@ def clients_that_vanish(d):
 
 if __name__ == "__main__":
     run([first_frame_comes_at_once, levels_of_refinement,
+         a_picture_made_anew_becomes_final,
          edits_show_with_seq_and_echo, latest_of_many_edits_wins,
          every_edit_is_followed_by_a_frame, only_what_is_needed_runs,
          window_and_ack, encodings_of_a_resting_hand, format_follows_the_state,
