@@ -29,6 +29,15 @@ bool crossings_init(struct crossings *c, struct error *err)
 {
     memset(c, 0, sizeof *c);
     c->block = bytes_zalloc(1, sizeof *c->block);
+    GLint most = 0;
+    gl.GetIntegerv(GL_MAX_UNIFORM_BLOCK_SIZE, &most);
+    if ((size_t)most < sizeof *c->block) {
+        error_set(err, "gpu", "shadow",
+                  "shadows: a uniform block of %zu bytes is needed, this "
+                  "device allows %d",
+                  sizeof *c->block, most);
+        goto fail;
+    }
     if (!crossings_sweep_init(c, err))
         goto fail;
     gl.CreateBuffers(1, &c->uniform);
@@ -236,7 +245,7 @@ static bool choose_counts(struct crossings *c, const struct crossings_light *l,
                           struct error *err)
 {
     int most = most_tiles(c, limit_3d());
-    const uint64_t kept = c->stats.grid_bytes + c->stats.lists_bytes;
+    const uint64_t kept = c->stats.grid_bytes;
     if (c->options.budget > 0) {
         uint64_t left = c->options.budget > kept ? c->options.budget - kept : 0;
         if (left / crossings_voxels(c) < (uint64_t)most)

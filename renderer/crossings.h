@@ -52,7 +52,8 @@ enum crossings_quality {
 struct crossings_options {
     int resolution;  // voxels along the longest side; outside
                      // CROSSINGS_RESOLUTION_* is brought into it
-    uint64_t budget; // bytes for all that is kept, 0: no limit
+    uint64_t budget; // bytes for grid and directions, and as many again for
+                     // lists; 0: no limit
     int ways;        // directions that the budget should hold; 0: 210, which is
                      // 40 lights at CROSSINGS_FINE
 };
@@ -113,7 +114,8 @@ bool crossings_update(struct crossings *c, const struct crossings_light *lights,
                       struct error *err);
 
 // For rays: lists of the segments near every place.  Once a grid, any time
-// before the first use of shadow_nodes_rays.
+// before the first use of shadow_nodes_rays.  Fails where they are longer than
+// budget or device allow.
 bool crossings_build_lists(struct crossings *c, const struct groom *g,
                            const struct params *p, struct error *err);
 

@@ -11,7 +11,7 @@
 #include "renderer/shoot_threads.h"
 #include "renderer/timer.h"
 
-enum { CELLS = 2 }; // a voxel, along an axis
+enum { CELLS = 2 }; // a voxel, along an axis; 1 where memory ends
 // How far rays count real fibres, in voxels.
 static const float ray_voxels = 2;
 
@@ -22,6 +22,7 @@ struct job {
     const int *size;  // cells
     uint32_t *counts; // [cells]: how many, or where the next is to be put
     uint32_t *pieces; // NULL: count
+    uint64_t most;    // entries; a slab that has more stops counting
 };
 
 struct reach {        // a segment, and how far it reaches across
@@ -68,7 +69,8 @@ static void range_of(const struct reach *g, int k, const float t[2], int size,
     out[1] = cell_of((x < y ? y : x) + g->r, size);
 }
 
-static void put(const struct job *job, const int v[3], uint32_t i)
+static void put(const struct job *job, const int v[3], uint32_t i,
+                uint64_t *total)
 {
     const int *n = job->size;
     const size_t at =
@@ -77,18 +79,20 @@ static void put(const struct job *job, const int v[3], uint32_t i)
     if (job->pieces)
         job->pieces[job->counts[at]] = i;
     job->counts[at]++;
+    ++*total;
 }
 
 // Cells of one layer across axis k: those that the segment touches.
-static void place_layer(const struct job *job, const struct reach *g, int k,
-                        int layer, const int slab[2], uint32_t i)
+static uint64_t place_layer(const struct job *job, const struct reach *g, int k,
+                            int layer, const int slab[2], uint32_t i)
 {
     const int p = (k + 1) % 3, q = (k + 2) % 3;
     float t[2] = {0, 1};
     int across[3][2], v[3];
+    uint64_t total = 0;
     clip(g, k, (float)layer - g->r, (float)layer + 1 + g->r, t);
     if (t[0] > t[1])
-        return;
+        return 0;
     range_of(g, p, t, job->size[p], across[p]);
     range_of(g, q, t, job->size[q], across[q]);
     across[k][0] = across[k][1] = layer;
@@ -101,11 +105,13 @@ static void place_layer(const struct job *job, const struct reach *g, int k,
                 clip(g, p, (float)v[p] - g->r, (float)v[p] + 1 + g->r, part);
                 clip(g, q, (float)v[q] - g->r, (float)v[q] + 1 + g->r, part);
                 if (part[0] <= part[1])
-                    put(job, v, i);
+                    put(job, v, i, &total);
             }
+    return total;
 }
 
-static void place_segment(const struct job *job, uint32_t i, const int slab[2])
+static uint64_t place_segment(const struct job *job, uint32_t i,
+                              const int slab[2])
 {
     const float *a = job->hair->at + 4 * (size_t)i;
     const struct reach g = reach_of(a, a + 4);
@@ -113,13 +119,15 @@ static void place_segment(const struct job *job, uint32_t i, const int slab[2])
     int k = 0, layer[2], depth[2];
     range_of(&g, 2, whole, job->size[2], depth);
     if (depth[1] < slab[0] || depth[0] >= slab[1])
-        return;
+        return 0;
     for (int c = 1; c < 3; c++)
         if (fabsf(g.d[c]) > fabsf(g.d[k]))
             k = c;
     range_of(&g, k, whole, job->size[k], layer);
+    uint64_t total = 0;
     for (int n = layer[0]; n <= layer[1]; n++)
-        place_layer(job, &g, k, n, slab, i);
+        total += place_layer(job, &g, k, n, slab, i);
+    return total;
 }
 
 // Each thread has its own layers of cells, so that what is in a cell comes in
@@ -130,9 +138,10 @@ static void place_slab(void *context, size_t n)
     const struct crossings_hair *h = job->hair;
     const int depth = job->size[2];
     const int slab[2] = {depth * (int)n / SLABS, depth * ((int)n + 1) / SLABS};
-    for (uint32_t k = 0; k < h->strands; k++)
+    uint64_t total = 0;
+    for (uint32_t k = 0; k < h->strands && total <= job->most; k++)
         for (uint32_t i = h->first[k]; i + 1 < h->first[k + 1]; i++)
-            place_segment(job, i, slab);
+            total += place_segment(job, i, slab);
 }
 
 // starts: one more than cells; *pieces: malloced, starts[cells] of them, the
@@ -141,7 +150,7 @@ static bool make(const struct crossings_hair *h, const int size[3],
                  uint64_t most, uint32_t *starts, uint32_t **pieces)
 {
     const size_t cells = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
-    struct job job = {h, size, starts, NULL};
+    struct job job = {h, size, starts, NULL, most};
     shoot_threads(SLABS, place_slab, &job);
     uint64_t sum = 0;
     for (size_t i = 0; i <= cells; i++) {
@@ -213,41 +222,53 @@ static void send(struct crossings *c, const int size[3], const uint32_t *starts,
     c->stats.lists_bytes = bytes[0] + bytes[1];
     for (int k = 0; k < 3; k++)
         c->block->cells[k] = (float)size[k];
-    c->block->cells[3] = CELLS;
-    c->block->inverse[3] = ray_voxels * CELLS;
+    c->block->cells[3] = (float)(size[0] / c->size[0]);
+    c->block->inverse[3] = ray_voxels * c->block->cells[3];
     gl.NamedBufferSubData(c->uniform, 0, sizeof *c->block, c->block);
+}
+
+// Lists of `cells` cells a voxel along an axis, of at most `most` bytes each.
+static bool build(struct crossings *c, const struct groom *g,
+                  const struct params *p, int cells, uint64_t most)
+{
+    const int size[3] = {cells * c->size[0], cells * c->size[1],
+                         cells * c->size[2]};
+    const uint64_t all =
+        (uint64_t)(cells * cells * cells) * crossings_voxels(c);
+    if (4 * (all + 1) > most)
+        return false;
+    struct crossings_hair hair;
+    uint32_t *pieces = NULL, *starts = bytes_zalloc((size_t)all + 1, 4);
+    crossings_grid_hair(&hair, c->box_min, c->voxel / (float)cells, g, p);
+    const bool ok = make(&hair, size, most / 4 - 1, starts, &pieces);
+    crossings_grid_hair_finish(&hair);
+    if (ok)
+        send(c, size, starts, pieces);
+    free(starts);
+    free(pieces);
+    return ok;
 }
 
 bool crossings_build_lists(struct crossings *c, const struct groom *g,
                            const struct params *p, struct error *err)
 {
     const double began = timer_now();
-    const int size[3] = {CELLS * c->size[0], CELLS * c->size[1],
-                         CELLS * c->size[2]};
-    const uint64_t cells = CELLS * CELLS * CELLS * crossings_voxels(c);
     GLint texels = 0;
     gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
-    const uint64_t most = (uint64_t)texels - 1;
-    uint32_t *pieces = NULL, *starts = NULL;
+    uint64_t most = 4 * (uint64_t)texels;
+    // Half of it for each of the two; the directions have their own share, or
+    // else how many they are would depend on whether there are lists.
+    if (c->options.budget > 0 && c->options.budget / 2 < most)
+        most = c->options.budget / 2;
     crossings_lists_forget(c);
-    bool ok = cells <= most && g->points <= most;
-    if (ok) {
-        struct crossings_hair hair;
-        starts = bytes_zalloc((size_t)cells + 1, sizeof *starts);
-        crossings_grid_hair(&hair, c->box_min, c->voxel / CELLS, g, p);
-        ok = make(&hair, size, most, starts, &pieces);
-        crossings_grid_hair_finish(&hair);
-    }
-    if (ok)
-        send(c, size, starts, pieces);
-    free(starts);
-    free(pieces);
+    bool ok = g->points <= (uint64_t)texels;
+    ok = ok && (build(c, g, p, CELLS, most) || build(c, g, p, 1, most));
     c->stats.lists_ms = 1e3 * (timer_now() - began);
     return ok ? gl_check("the shadows' lists", err)
               : error_set(
                     err, "limit", "shadow",
                     "shadows: lists of the %u points near each of %d x %d "
-                    "x %d cells are longer than the %d entries that "
-                    "this device allows a buffer",
-                    g->points, size[0], size[1], size[2], texels);
+                    "x %d voxels are longer than %llu bytes",
+                    g->points, c->size[0], c->size[1], c->size[2],
+                    (unsigned long long)most);
 }

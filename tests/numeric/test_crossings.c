@@ -309,6 +309,9 @@ static void test_budget(void)
     CHECK_STR(err.code, "limit");
     err = (struct error){0};
     CHECK(crossings_update(&s.crossings, light, 0, CROSSINGS_FINE, &err));
+    CHECK(crossings_build_lists(&s.crossings, s.groom, &s.params, &err));
+    crossings_read_stats(&s.crossings, &st);
+    CHECK(st.lists_bytes <= o.budget && st.lists_bytes > 0);
     o.budget = 1 << 20;
     CHECK(!crossings_build_grid(&s.crossings, s.groom, &s.params, &o, &err));
     CHECK_STR(err.code, "limit");
