@@ -6,16 +6,24 @@
 // smoothing multiplies them by I_n/I_0, and a half circle of light leaves
 //   N^G = c_0 + sum over odd n of 2/(pi n) sin(n pi/2) c_n cos(n Phi)
 // (even n integrate to zero).  The coefficients fall with a further 1/n, which
-// is why a few will do.  Their course over theta_d is a polynomial, fitted to
-// the relative error.
+// is why a few will do.  Over all theta_d and colours they lie close to a plane
+// of a few dimensions, which the eigenvectors of their second moments span; the
+// course over theta_d within it is a polynomial, fitted to the relative error.
 #include "renderer/dual_azimuth.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
 
-enum { GAMMAS = DUAL_GAMMAS, ODD = 16, SAMPLES = 24, MOST_POWERS = 8 };
+enum {
+    GAMMAS = DUAL_GAMMAS,
+    ODD = 16,
+    SAMPLES = 24,
+    MOST_POWERS = 9,
+    MOST = DUAL_HARMONICS_TRT
+};
 
 // Gauss-Legendre in gamma on [0, pi/2].
 static void make_rule(struct dual_azimuth *z)
@@ -195,39 +203,106 @@ static void to_powers(double *c, int count)
     memcpy(c, out, (size_t)count * sizeof *c);
 }
 
-// Least squares, weighted by the mean over Phi; row k of `out` belongs to n_k.
-static void fit(const struct sample *s, int channel, int harmonics, int powers,
-                double *out)
+// One mode's part in the fit: its channels, its waves and what they become.
+struct part {
+    int channel, channels, harmonics, waves, powers;
+    double *wave, *row; // [waves][harmonics], [channels][waves][powers]
+};
+
+static bool dark(const struct sample *s, int channel)
+{
+    return s->e[channel][0] < 1e-100; // nothing comes through
+}
+
+// Eigenvectors of the symmetric a by Jacobi's rotations: column j of v.
+static void rotate(double a[MOST][MOST], double v[MOST][MOST], int n, int i,
+                   int j)
+{
+    double t = atan2(2 * a[i][j], a[j][j] - a[i][i]) / 2, c = cos(t),
+           s = sin(t);
+    for (int k = 0; k < n; k++) {
+        double x = a[k][i], y = a[k][j];
+        a[k][i] = c * x - s * y;
+        a[k][j] = s * x + c * y;
+    }
+    for (int k = 0; k < n; k++) {
+        double x = a[i][k], y = a[j][k];
+        a[i][k] = c * x - s * y;
+        a[j][k] = s * x + c * y;
+    }
+    for (int k = 0; k < n; k++) {
+        double x = v[k][i], y = v[k][j];
+        v[k][i] = c * x - s * y;
+        v[k][j] = s * x + c * y;
+    }
+}
+
+static void find_waves(const struct sample *s, const struct part *p)
+{
+    double a[MOST][MOST] = {{0}}, v[MOST][MOST] = {{0}};
+    int n = p->harmonics;
+    for (int c = p->channel; c < p->channel + p->channels; c++)
+        for (int i = 0; i < SAMPLES; i++)
+            for (int k = 0; k < n && !dark(&s[i], c); k++)
+                for (int l = 0; l < n; l++)
+                    a[k][l] += s[i].e[c][k] / s[i].e[c][0] * s[i].e[c][l] /
+                               s[i].e[c][0];
+    for (int k = 0; k < n; k++)
+        v[k][k] = 1;
+    for (int sweep = 0; sweep < 8; sweep++)
+        for (int i = 0; i < n; i++)
+            for (int j = i + 1; j < n; j++)
+                if (fabs(a[i][j]) > 1e-15 * (a[i][i] + a[j][j]))
+                    rotate(a, v, n, i, j);
+    for (int m = 0; m < p->waves; m++) { // largest first
+        int best = 0;
+        for (int k = 1; k < n; k++)
+            if (a[k][k] > a[best][best])
+                best = k;
+        for (int k = 0; k < n; k++)
+            p->wave[m * n + k] = v[k][best];
+        a[best][best] = -1;
+    }
+}
+
+// Least squares over x of what a channel has of each wave, weighted by its mean
+// over Phi.
+static void fit(const struct sample *s, const struct part *part, int channel)
 {
     double a[MOST_POWERS][MOST_POWERS] = {{0}};
-    double b[MOST_POWERS][DUAL_HARMONICS_TRT] = {{0}};
+    double b[MOST_POWERS][DUAL_WAVES_TRT] = {{0}};
+    int powers = part->powers, n = part->harmonics;
     for (int i = 0; i < SAMPLES; i++) {
         const double *e = s[i].e[channel];
         double t[MOST_POWERS] = {1, s[i].x};
-        if (e[0] < 1e-100) // nothing comes through
+        if (dark(&s[i], channel))
             continue;
         for (int p = 2; p < powers; p++)
             t[p] = 2 * s[i].x * t[p - 1] - t[p - 2];
-        for (int p = 0; p < powers; p++) {
+        for (int m = 0; m < part->waves; m++) {
+            double has = 0;
+            for (int k = 0; k < n; k++)
+                has += part->wave[m * n + k] * (e[k] / e[0]);
+            for (int p = 0; p < powers; p++)
+                b[p][m] += t[p] / e[0] * has;
+        }
+        for (int p = 0; p < powers; p++)
             for (int q = 0; q < powers; q++)
                 a[p][q] += t[p] / e[0] * t[q] / e[0];
-            for (int k = 0; k < harmonics; k++)
-                b[p][k] += t[p] / e[0] * (e[k] / e[0]);
-        }
     }
-    memset(out, 0, (size_t)(harmonics * powers) * sizeof *out);
     for (int p = 0; p < powers; p++) // symmetric and positive: no pivoting
         for (int r = p + 1; r < powers && a[p][p] > 0; r++) {
             double factor = a[r][p] / a[p][p];
             for (int q = p; q < powers; q++)
                 a[r][q] -= factor * a[p][q];
-            for (int k = 0; k < harmonics; k++)
-                b[r][k] -= factor * b[p][k];
+            for (int m = 0; m < part->waves; m++)
+                b[r][m] -= factor * b[p][m];
         }
-    for (int k = 0; k < harmonics; k++) {
-        double *row = out + k * powers;
+    for (int m = 0; m < part->waves; m++) {
+        double *row =
+            part->row + ((channel - part->channel) * part->waves + m) * powers;
         for (int p = powers - 1; p >= 0; p--) {
-            double v = b[p][k];
+            double v = b[p][m];
             for (int q = p + 1; q < powers; q++)
                 v -= a[p][q] * row[q];
             row[p] = a[p][p] > 0 ? v / a[p][p] : 0;
@@ -239,12 +314,18 @@ static void fit(const struct sample *s, int channel, int harmonics, int powers,
 void dual_azimuth_series(const struct dual_azimuth *z, struct dual_series *out)
 {
     struct sample s[SAMPLES];
+    const struct part parts[3] = {{DUAL_R, 1, DUAL_HARMONICS, DUAL_WAVES_R,
+                                   DUAL_POWERS, out->wave_r[0], out->r[0]},
+                                  {DUAL_TT, 3, DUAL_HARMONICS, DUAL_WAVES_TT,
+                                   DUAL_POWERS, out->wave_tt[0], out->tt[0][0]},
+                                  {DUAL_TRT, 3, DUAL_HARMONICS_TRT,
+                                   DUAL_WAVES_TRT, DUAL_POWERS_TRT,
+                                   out->wave_trt[0], out->trt[0][0]}};
     for (int i = 0; i < SAMPLES; i++)
         s[i] = sample_at(z, -cos(pi * (i + 0.5) / SAMPLES));
-    fit(s, DUAL_R, DUAL_HARMONICS, DUAL_POWERS, out->r[0]);
-    for (int k = 0; k < 3; k++) {
-        fit(s, DUAL_TT + k, DUAL_HARMONICS, DUAL_POWERS, out->tt[k][0]);
-        fit(s, DUAL_TRT + k, DUAL_HARMONICS_TRT, DUAL_POWERS_TRT,
-            out->trt[k][0]);
+    for (int t = 0; t < 3; t++) {
+        find_waves(s, &parts[t]);
+        for (int c = 0; c < parts[t].channels; c++)
+            fit(s, &parts[t], parts[t].channel + c);
     }
 }

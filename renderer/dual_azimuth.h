@@ -27,19 +27,27 @@ struct dual_energy {
     double all[DUAL_CHANNELS];   // Int N dphi
 };
 
-// N^G(theta_d, Phi) = scale sum_k cos(n_k Phi) sum_p row[k][p] x^p,
-//   n_k = 0, 1, 3, 5, ..., x = 2 eta/eta'(theta_d) - 1, which is in [-1, 1],
+// N^G(theta_d, Phi) = scale sum_m W_m(Phi) sum_p row[m][p] x^p,
+//   W_m = sum_k wave[m][k] cos(n_k Phi), n_k = 0, 1, 3, 5, ...,
+//   x = 2 eta/eta'(theta_d) - 1, which is in [-1, 1],
 //   scale: R 1; TT cos^2 theta_d; TRT that times schlick(cos theta_d).
+// A mode's channels share its waves.
 enum {
-    DUAL_HARMONICS = 8,      // of R and TT
-    DUAL_HARMONICS_TRT = 10, // of TRT
-    DUAL_POWERS = 7,
-    DUAL_POWERS_TRT = 8
+    DUAL_HARMONICS = 8, // of R and TT
+    DUAL_HARMONICS_TRT = 12,
+    DUAL_WAVES_R = 3,
+    DUAL_WAVES_TT = 4,
+    DUAL_WAVES_TRT = 5,
+    DUAL_POWERS = 8,
+    DUAL_POWERS_TRT = 9
 };
 struct dual_series {
-    double r[DUAL_HARMONICS][DUAL_POWERS];
-    double tt[3][DUAL_HARMONICS][DUAL_POWERS];
-    double trt[3][DUAL_HARMONICS_TRT][DUAL_POWERS_TRT];
+    double wave_r[DUAL_WAVES_R][DUAL_HARMONICS];
+    double wave_tt[DUAL_WAVES_TT][DUAL_HARMONICS];
+    double wave_trt[DUAL_WAVES_TRT][DUAL_HARMONICS_TRT];
+    double r[DUAL_WAVES_R][DUAL_POWERS];
+    double tt[3][DUAL_WAVES_TT][DUAL_POWERS];
+    double trt[3][DUAL_WAVES_TRT][DUAL_POWERS_TRT];
 };
 
 enum { DUAL_GAMMAS = 64 };

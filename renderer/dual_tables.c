@@ -19,9 +19,10 @@ enum {
     COLUMNS = DUAL_TABLES_COLUMNS,
     ENERGIES = 96, // intervals of cos theta_d
     NODES = 20,    // of an integral over an inclination
-    HEAD = 1,      // vec4 before the series in the block
-    BLOCK = HEAD + DUAL_HARMONICS * DUAL_POWERS +
-            DUAL_HARMONICS_TRT * DUAL_POWERS_TRT
+    HEAD = 1,      // vec4 before the waves in the block
+    WAVES = 3,     // vec4 of a harmonic
+    BLOCK = HEAD + WAVES * DUAL_HARMONICS_TRT + DUAL_WAVES_TT * DUAL_POWERS +
+            DUAL_WAVES_TRT * DUAL_POWERS_TRT
 };
 
 // Layers of the texture; the last five differ with the scheme.
@@ -325,16 +326,25 @@ static void fill_block(struct dual_tables *t)
     row[0][1] = (float)(2 * eta);
     row[0][2] = (float)(f0 * f0);
     row += HEAD;
-    for (int k = 0; k < DUAL_HARMONICS; k++)
+    // A harmonic: TT's four waves; four of TRT's; R's three and TRT's fifth.
+    for (int k = 0; k < DUAL_HARMONICS_TRT; k++, row += WAVES) {
+        for (int m = 0; m < DUAL_WAVES_TT && k < DUAL_HARMONICS; m++)
+            row[0][m] = (float)s->wave_tt[m][k];
+        for (int m = 0; m < DUAL_WAVES_R && k < DUAL_HARMONICS; m++)
+            row[2][m] = (float)s->wave_r[m][k];
+        for (int m = 0; m < DUAL_WAVES_TRT; m++)
+            row[m < 4 ? 1 : 2][m < 4 ? m : 3] = (float)s->wave_trt[m][k];
+    }
+    for (int m = 0; m < DUAL_WAVES_TT; m++)
         for (int p = 0; p < DUAL_POWERS; p++, row++) {
             for (int c = 0; c < 3; c++)
-                row[0][c] = (float)s->tt[c][k][p];
-            row[0][3] = (float)s->r[k][p];
+                row[0][c] = (float)s->tt[c][m][p];
+            row[0][3] = m < DUAL_WAVES_R ? (float)s->r[m][p] : 0;
         }
-    for (int k = 0; k < DUAL_HARMONICS_TRT; k++)
+    for (int m = 0; m < DUAL_WAVES_TRT; m++)
         for (int p = 0; p < DUAL_POWERS_TRT; p++, row++)
             for (int c = 0; c < 3; c++)
-                row[0][c] = (float)s->trt[c][k][p];
+                row[0][c] = (float)s->trt[c][m][p];
 }
 
 static void fill_best(struct dual_tables *t)

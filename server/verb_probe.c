@@ -1,172 +1,133 @@
 // verb_probe.c - `glintd probe`: single integrals for whoever wants to check
-// them.  Reads lines of numbers, checks each against the parameter table and
-// prints what the renderer's shader (or the brute-force reference) makes of
-// it.  The integrals themselves live in renderer/probe.c and renderer/exact.c.
+// them.  Reads lines of numbers and prints what the renderer's shaders and
+// tables (or the brute-force reference) make of each.  The integrals live in
+// renderer/{probe,probe_dual,exact,exact_dual}.c, the lines in probe_line.c.
 #include "server/verbs.h"
 
-#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "protocol/bytes.h"
 #include "protocol/params.h"
 #include "renderer/egl.h"
-#include "renderer/exact.h"
-#include "renderer/probe.h"
+#include "renderer/exact_dual.h"
+#include "renderer/probe_dual.h"
 #include "server/options.h"
+#include "server/probe_line.h"
 
-static const double pi = 3.14159265358979323846;
+enum { LINE_MAX_BYTES = 4096, SLOW_BATCH = 128, OUTPUTS_MAX = 9, FIBRE = 9 };
 
-enum { COLUMNS = PROBE_INPUTS, LINE_MAX_BYTES = 4096, SLOW_BATCH = 128 };
-
-enum scheme { SCHEME_PAPER, SCHEME_EXACT };
-
-static const struct {
-    const char *name;
-    const char *row; // of the parameter table, which has the range
-    double min, max; // where there is no row
-} columns[COLUMNS] = {
-    {"eta", "fibre.eta", 0, 0},
-    {"sigma_a", "fibre.sigma_a", 0, 0},
-    {"alpha_R", "fibre.alpha_r", 0, 0},
-    {"alpha_TT", "fibre.alpha_tt", 0, 0},
-    {"alpha_TRT", "fibre.alpha_trt", 0, 0},
-    {"beta_R", "fibre.beta_r", 0, 0},
-    {"beta_TT", "fibre.beta_tt", 0, 0},
-    {"beta_TRT", "fibre.beta_trt", 0, 0},
-    {"w_c", "fibre.w_c", 0, 0},
-    {"a", "fibre.a", 0, 0},
-    {"lambda_j", NULL, 1e-3, 2},
-    {"theta_j", NULL, -1.5707963267948966, 1.5707963267948966},
-    {"phi_j", NULL, -6.283185307179586, 6.283185307179586},
-    {"theta_o", NULL, -1.5707963267948966, 1.5707963267948966},
-    {"phi_o", NULL, -6.283185307179586, 6.283185307179586},
-};
+enum scheme { SCHEME_BEST, SCHEME_PAPER, SCHEME_EXACT, SCHEMES };
+static const char *const scheme_names[SCHEMES] = {"best", "paper", "exact"};
+static const char *const form_names[PROBE_LINE_FORMS] = {"single", "fibre",
+                                                         "half", "multiple"};
+static const int outputs[PROBE_LINE_FORMS] = {3, 9, 3, 4};
 
 struct batch {
+    enum probe_line_form form;
     enum scheme scheme;
     struct egl *egl;
-    struct probe *probe;
+    struct probe *single;
+    struct probe_dual *dual;
     double delta_eta;
     size_t count, limit;
-    double value[PROBE_BATCH][COLUMNS];
+    double value[PROBE_BATCH][PROBE_LINE_MAX];
 };
 
-// --- one line ---------------------------------------------------------------
-static void range_of(int column, double *min, double *max)
+// --- what a line says -------------------------------------------------------
+static struct exact_case case_of(const struct batch *b, size_t i)
 {
-    const char *name = columns[column].row;
-    *min = columns[column].min;
-    *max = columns[column].max;
-    if (!name)
-        return;
-    const struct params_row *row = params_find(name, strlen(name));
-    double unit = strcmp(row->unit, "deg") == 0 ? pi / 180 : 1;
-    *min = row->min * unit;
-    *max = row->max * unit;
-}
-
-// A bound may come rounded to a few digits (1.5708 for pi/2): up to a part in
-// 10^4 beyond counts as the bound.
-static bool within(int column, double *value)
-{
-    double min, max;
-    range_of(column, &min, &max);
-    double lo = min - 1e-4 * fabs(min), hi = max + 1e-4 * fabs(max);
-    if (!(*value >= lo && *value <= hi))
-        return false;
-    *value = fmin(fmax(*value, min), max);
-    return true;
-}
-
-static bool range_error(int column, double value, long line, struct error *err)
-{
-    double min, max;
-    range_of(column, &min, &max);
-    return error_set(err, "range", columns[column].name,
-                     "line %ld: %s: %.9g is not within [%.9g, %.9g]", line,
-                     columns[column].name, value, min, max);
-}
-
-// Decimal only, but as loosely as tools print it: "1." and ".5" will do.
-static bool parse_number(const char *text, size_t size, double *out)
-{
-    char *end;
-    if (strspn(text, "0123456789+-.eE") < size)
-        return false;
-    *out = strtod(text, &end);
-    return end == text + size && isfinite(*out);
-}
-
-static bool parse_line(const char *text, long line, double out[COLUMNS],
-                       struct error *err)
-{
-    static const char blanks[] = " \t\r\n\v\f";
-    int count = 0;
-    for (;;) {
-        text += strspn(text, blanks);
-        size_t size = strcspn(text, blanks);
-        if (size == 0)
-            break;
-        if (count < COLUMNS) {
-            const char *name = columns[count].name;
-            if (!parse_number(text, size, &out[count]))
-                return error_set(err, "syntax", name,
-                                 "line %ld: %s: \"%.*s\" is not a finite "
-                                 "number",
-                                 line, name, size > 40 ? 40 : (int)size, text);
-            if (!within(count, &out[count]))
-                return range_error(count, out[count], line, err);
-        }
-        count++;
-        text += size;
+    const double *v = b->value[i];
+    struct exact_case c = {.eta = v[0],
+                           .sigma_a = v[1],
+                           .alpha = {v[2], v[3], v[4]},
+                           .beta = {v[5], v[6], v[7]},
+                           .w_c = v[8],
+                           .a = 1,
+                           .delta_eta = b->delta_eta};
+    if (b->form == PROBE_LINE_SINGLE || b->form == PROBE_LINE_MULTIPLE) {
+        c.a = v[9];
+        c.lambda_j = v[10];
+        c.theta_j = v[11];
+        c.phi_j = v[12];
+        c.theta_o = v[13];
+        c.phi_o = v[14];
     }
-    if (count != COLUMNS)
-        return error_set(err, "syntax", "line",
-                         "line %ld: %d numbers, %d are wanted: eta sigma_a "
-                         "alpha_R alpha_TT alpha_TRT beta_R beta_TT beta_TRT "
-                         "w_c a lambda_j theta_j phi_j theta_o phi_o",
-                         line, count, COLUMNS);
-    return true;
+    return c;
 }
 
-// --- batches ----------------------------------------------------------------
-// The reference takes milliseconds a case: one thread a processor, each taking
-// the next case that nobody has.
+static bool same_fibre(const struct batch *b, size_t i, size_t j)
+{
+    int count = b->form == PROBE_LINE_MULTIPLE ? FIBRE + 1 : FIBRE; // and a
+    return memcmp(b->value[i], b->value[j],
+                  (size_t)count * sizeof b->value[i][0]) == 0;
+}
+
+static void print_numbers(const double *v, int count)
+{
+    for (int i = 0; i < count; i++)
+        printf(i + 1 < count ? "%.9g " : "%.9g\n", v[i]);
+}
+
+// --- the reference ----------------------------------------------------------
+// It takes milliseconds a case: one thread a processor, each taking the next
+// case that nobody has.
 struct crew {
     const struct batch *batch;
     atomic_size_t next;
-    double out[SLOW_BATCH][EXACT_MODES];
+    double out[SLOW_BATCH][OUTPUTS_MAX];
 };
+
+static void exact_one(const struct batch *b, size_t i,
+                      const struct exact_dual *e, double *out)
+{
+    struct exact_case c = case_of(b, i);
+    struct exact_dual_mean m;
+    double all[EXACT_DUAL_OUTPUTS];
+    switch (b->form) {
+    case PROBE_LINE_FIBRE:
+        exact_dual_mean(e, b->value[i][FIBRE], &m);
+        memcpy(out,
+               (double[9]){m.a_f, m.a_b, m.alpha_f, m.alpha_b, m.beta2_f,
+                           m.beta2_b, m.A_b, m.delta_b, m.sigma_b},
+               9 * sizeof *out);
+        break;
+    case PROBE_LINE_HALF:
+        exact_dual_half(e, b->value[i][FIBRE], b->value[i][FIBRE + 1], out);
+        break;
+    case PROBE_LINE_MULTIPLE:
+        exact_dual_multiple(e, &c, b->value[i][PROBE_INPUTS], false, all);
+        memcpy(out, all, 4 * sizeof *out);
+        break;
+    default:
+        exact_modes(&c, out);
+    }
+}
 
 static void *work(void *arg)
 {
     struct crew *crew = arg;
     const struct batch *b = crew->batch;
+    struct exact_dual *e = NULL;
+    size_t made_for = 0;
     for (;;) {
         size_t i = atomic_fetch_add(&crew->next, 1);
         if (i >= b->count)
-            return NULL;
-        const double *v = b->value[i];
-        struct exact_case c = {.eta = v[0],
-                               .sigma_a = v[1],
-                               .alpha = {v[2], v[3], v[4]},
-                               .beta = {v[5], v[6], v[7]},
-                               .w_c = v[8],
-                               .a = v[9],
-                               .lambda_j = v[10],
-                               .theta_j = v[11],
-                               .phi_j = v[12],
-                               .theta_o = v[13],
-                               .phi_o = v[14],
-                               .delta_eta = b->delta_eta};
-        exact_modes(&c, crew->out[i]);
+            break;
+        if (b->form != PROBE_LINE_SINGLE &&
+            !(e && same_fibre(b, i, made_for))) {
+            struct exact_case c = case_of(b, i);
+            exact_dual_destroy(e);
+            e = exact_dual_create(&c);
+            made_for = i;
+        }
+        exact_one(b, i, e, crew->out[i]);
     }
+    exact_dual_destroy(e);
+    return NULL;
 }
 
 static void run_exact(const struct batch *b)
@@ -183,29 +144,113 @@ static void run_exact(const struct batch *b)
     while (made > 0)
         pthread_join(thread[--made], NULL);
     for (size_t i = 0; i < b->count; i++)
-        printf("%.9g %.9g %.9g\n", crew.out[i][EXACT_R], crew.out[i][EXACT_TT],
-               crew.out[i][EXACT_TRT]);
+        print_numbers(crew.out[i], outputs[b->form]);
 }
 
-static bool run_batch(struct batch *b, struct error *err)
+// --- the renderer -----------------------------------------------------------
+static bool run_single(struct batch *b, struct error *err)
 {
     static float cases[PROBE_BATCH * PROBE_INPUTS];
     static float results[PROBE_BATCH * PROBE_OUTPUTS];
-    if (b->scheme == SCHEME_EXACT)
-        run_exact(b);
-    if (b->scheme == SCHEME_PAPER && b->count > 0) {
-        for (size_t i = 0; i < b->count * COLUMNS; i++)
-            cases[i] = (float)b->value[i / COLUMNS][i % COLUMNS];
-        if (!probe_run(b->probe, cases, b->count, results, err))
+    for (size_t i = 0; i < b->count * PROBE_INPUTS; i++)
+        cases[i] = (float)b->value[i / PROBE_INPUTS][i % PROBE_INPUTS];
+    if (!probe_run(b->single, cases, b->count, results, err))
+        return false;
+    for (size_t i = 0; i < b->count; i++)
+        print_numbers((double[3]){(double)results[3 * i],
+                                  (double)results[3 * i + 1],
+                                  (double)results[3 * i + 2]},
+                      3);
+    return true;
+}
+
+// Lines first .. end - 1, which are of one fibre.
+static bool run_fibre(struct batch *b, size_t first, size_t end,
+                      struct error *err)
+{
+    static float cases[PROBE_BATCH * PROBE_DUAL_INPUTS];
+    static float results[PROBE_BATCH * PROBE_DUAL_OUTPUTS];
+    size_t count = end - first;
+    bool half = b->form == PROBE_LINE_HALF;
+    for (size_t i = 0; i < count; i++) {
+        const double *v = b->value[first + i];
+        float *to = cases + i * (half ? 2 : PROBE_DUAL_INPUTS);
+        for (int k = 0; k < (half ? 2 : 5); k++)
+            to[k] = (float)v[FIBRE + k + !half];
+        for (int k = 5; k < PROBE_DUAL_INPUTS && !half; k++)
+            to[k] = (float)v[PROBE_INPUTS];
+    }
+    if (!(half ? probe_dual_half : probe_dual_multiple)(b->dual, cases, count,
+                                                        results, err))
+        return false;
+    for (size_t i = 0; i < count; i++) {
+        double out[4];
+        for (size_t k = 0; k < (half ? 3 : 4); k++)
+            out[k] = (double)(half ? results[3 * i + k]
+                                   : results[PROBE_DUAL_OUTPUTS * i + 3 * k]);
+        print_numbers(out, half ? 3 : 4);
+    }
+    return true;
+}
+
+static void print_mean(const struct dual_tables *t, double theta)
+{
+    struct dual_mean m;
+    dual_tables_mean(t, theta, 0, &m);
+    print_numbers((double[9]){m.a_f, m.a_b, m.alpha_f, m.alpha_b, m.beta2_f,
+                              m.beta2_b, m.A_b, m.delta_b, m.sigma_b},
+                  9);
+}
+
+// `fibre` needs no GL: the tables are made and read on this side.
+static bool run_dual(struct batch *b, struct dual_tables *means,
+                     struct error *err)
+{
+    for (size_t i = 0, end; i < b->count; i = end) {
+        struct exact_case c = case_of(b, i);
+        const struct dual_fibre f = {
+            .eta = c.eta,
+            .sigma_a = {c.sigma_a, c.sigma_a, c.sigma_a},
+            .a = c.a,
+            .alpha = {c.alpha[0], c.alpha[1], c.alpha[2]},
+            .beta = {c.beta[0], c.beta[1], c.beta[2]},
+            .w_c = c.w_c,
+            .delta_eta = c.delta_eta};
+        for (end = i + 1; end < b->count && same_fibre(b, i, end);)
+            end++;
+        if (means) {
+            dual_tables_update(means, &f,
+                               b->scheme == SCHEME_PAPER ? DUAL_SCHEME_PAPER
+                                                         : DUAL_SCHEME_BEST);
+            for (size_t k = i; k < end; k++)
+                print_mean(means, b->value[k][FIBRE]);
+            continue;
+        }
+        probe_dual_fibre(b->dual, &f);
+        if (!run_fibre(b, i, end, err))
             return false;
-        for (size_t i = 0; i < b->count; i++)
-            printf("%.9g %.9g %.9g\n", (double)results[3 * i],
-                   (double)results[3 * i + 1], (double)results[3 * i + 2]);
+    }
+    return true;
+}
+
+// --- batches ----------------------------------------------------------------
+static bool run_batch(struct batch *b, struct error *err)
+{
+    bool ok = true;
+    if (b->scheme == SCHEME_EXACT) {
+        run_exact(b);
+    } else if (b->form == PROBE_LINE_FIBRE) {
+        struct dual_tables *means = dual_tables_create();
+        ok = run_dual(b, means, err);
+        dual_tables_destroy(means);
+    } else if (b->count > 0) {
+        ok = b->form == PROBE_LINE_SINGLE ? run_single(b, err)
+                                          : run_dual(b, NULL, err);
     }
     b->count = 0;
-    if (fflush(stdout) != 0)
+    if (ok && fflush(stdout) != 0)
         return error_set(err, "file", "stdout", "stdout: cannot write");
-    return true;
+    return ok;
 }
 
 static bool run_input(struct batch *b, struct error *err)
@@ -223,7 +268,8 @@ static bool run_input(struct batch *b, struct error *err)
         else if (text[first] == 0 || text[first] == '#')
             continue;
         else
-            good = parse_line(text, line, b->value[b->count], &bad);
+            good =
+                probe_line_parse(b->form, text, line, b->value[b->count], &bad);
         b->count += good;
         if ((!good || b->count == b->limit) && !run_batch(b, err))
             return false;
@@ -238,45 +284,84 @@ static bool run_input(struct batch *b, struct error *err)
 }
 
 // --- the verb ---------------------------------------------------------------
-// Index of `word` among `words`, or -1 with a line on stderr.
-static int choose(const char *option, const char *word,
-                  const char *const words[2])
-{
-    for (int i = 0; i < 2; i++)
-        if (strcmp(word, words[i]) == 0)
-            return i;
-    struct error err;
-    error_set(&err, "range", option, "--%s: %s is not one of %s, %s", option,
-              word, words[0], words[1]);
-    options_fail(&err);
-    return -1;
-}
-
 static bool run(struct batch *b, const struct probe_setup *setup,
                 struct error *err)
 {
-    if (b->scheme == SCHEME_EXACT)
+    if (b->scheme == SCHEME_EXACT || b->form == PROBE_LINE_FIBRE)
         return run_input(b, err);
     b->egl = egl_create(err);
     if (!b->egl)
         return false;
-    b->probe = probe_create(setup, err);
-    bool ok = b->probe && run_input(b, err);
-    probe_destroy(b->probe);
+    if (b->form == PROBE_LINE_SINGLE)
+        b->single = probe_create(setup, err);
+    else
+        b->dual = probe_dual_create(
+            setup,
+            b->scheme == SCHEME_PAPER ? DUAL_SCHEME_PAPER : DUAL_SCHEME_BEST,
+            err);
+    bool ok = (b->single || b->dual) && run_input(b, err);
+    probe_destroy(b->single);
+    probe_dual_destroy(b->dual);
     egl_destroy(b->egl);
     return ok;
 }
 
+// Index of `word` among count words, or -1 with a line on stderr.
+static int choose(const char *option, const char *word,
+                  const char *const *words, int count)
+{
+    char list[80] = "";
+    for (int i = 0; i < count; i++) {
+        if (strcmp(word, words[i]) == 0)
+            return i;
+        size_t n = strlen(list);
+        snprintf(list + n, sizeof list - n, "%s%s", i ? ", " : "", words[i]);
+    }
+    struct error err;
+    error_set(&err, "range", option, "--%s: %s is not one of %s", option, word,
+              list);
+    options_fail(&err);
+    return -1;
+}
+
+// False when a word is none of those wanted; said on stderr.
+static bool choose_all(struct batch *b, const char *what, const char *scheme,
+                       const char *nodes, struct probe_setup *setup)
+{
+    static const char *const layouts[2] = {"paper", "fine"};
+    int form = choose("what", what, form_names, PROBE_LINE_FORMS);
+    if (form < 0)
+        return false;
+    // Single scattering has no scheme `best`.
+    int skip = form == PROBE_LINE_SINGLE;
+    int chosen = choose("scheme", *scheme ? scheme : scheme_names[skip],
+                        scheme_names + skip, SCHEMES - skip);
+    int layout = chosen < 0 ? -1 : choose("nodes", nodes, layouts, 2);
+    if (layout < 0)
+        return false;
+    b->form = (enum probe_line_form)form;
+    b->scheme = (enum scheme)(chosen + skip);
+    b->limit = b->scheme == SCHEME_EXACT ? SLOW_BATCH : PROBE_BATCH;
+    b->delta_eta = setup->delta_eta =
+        params_find("fibre.delta_eta", 15)->def[0];
+    setup->fine_nodes = layout == 1;
+    return true;
+}
+
 int verb_probe_run(int argc, char **argv)
 {
-    static const char *const schemes[2] = {"paper", "exact"};
-    static const char *const layouts[2] = {"paper", "fine"};
     static struct batch b;
-    const char *scheme = schemes[0], *nodes = layouts[0];
+    const char *what = form_names[0], *scheme = "", *nodes = "paper";
     struct probe_setup setup = {.m = 4, .tables = 1};
     const struct options_row rows[] = {
-        {"scheme", OPTIONS_TEXT, &scheme, 0, 0, "paper|exact",
-         "the renderer's shader, or brute force in double precision"},
+        {"what", OPTIONS_TEXT, &what, 0, 0, "single|fibre|half|multiple",
+         "single: M_R M_TT M_TRT; fibre, for theta_i: abar_f abar_b alphabar_f "
+         "alphabar_b betabar2_f betabar2_b A_b Delta_b sigma_b; half, for "
+         "theta_i Phi: NG_R NG_TT NG_TRT; multiple, for sigma_f: MG_R MG_TT "
+         "MG_TRT ML"},
+        {"scheme", OPTIONS_TEXT, &scheme, 0, 0, "best|paper|exact",
+         "the renderer's tables and shaders, or brute force in double "
+         "precision; single: paper (default) or exact, else best (default)"},
         {"m", OPTIONS_INT, &setup.m, 2, 256, "N",
          "segments of the outer integral (Xu 2011, section 4.2.2)"},
         {"nodes", OPTIONS_TEXT, &nodes, 0, 0, "paper|fine",
@@ -286,9 +371,9 @@ int verb_probe_run(int argc, char **argv)
         {0}};
     const struct options_verb verb = {
         "probe",
-        "single scattering integrals: lines of fifteen numbers on stdin (eta "
-        "sigma_a alpha_R alpha_TT alpha_TRT beta_R beta_TT beta_TRT w_c a "
-        "lambda_j theta_j phi_j theta_o phi_o; radians), M_R M_TT M_TRT out",
+        "single integrals: lines of numbers on stdin (eta sigma_a alpha_R "
+        "alpha_TT alpha_TRT beta_R beta_TT beta_TRT w_c; then a lambda_j "
+        "theta_j phi_j theta_o phi_o; radians), a line of numbers out for each",
         0, rows, NULL};
     struct options o;
     struct error err;
@@ -296,14 +381,7 @@ int verb_probe_run(int argc, char **argv)
     options_finish(&o);
     if (status >= 0)
         return status;
-    int which = choose("scheme", scheme, schemes);
-    int layout = which < 0 ? -1 : choose("nodes", nodes, layouts);
-    if (layout < 0)
+    if (!choose_all(&b, what, scheme, nodes, &setup))
         return 2;
-    b.scheme = (enum scheme)which;
-    b.limit = which == SCHEME_EXACT ? SLOW_BATCH : PROBE_BATCH;
-    b.delta_eta = params_find("fibre.delta_eta", 15)->def[0];
-    setup.fine_nodes = layout == 1;
-    setup.delta_eta = b.delta_eta;
     return run(&b, &setup, &err) ? 0 : options_fail(&err);
 }

@@ -54,12 +54,11 @@ float dual_half_share(float kappa, float i0e, float cos_phi)
 #include "dual_paper.glsl"
 #else
 
-const float DUAL_SHORT = 0.0259201; // what four nodes over +-1.8 miss
-
 layout(std140, binding = 6) uniform Dual {
     vec4 dual_index;    // eta^2 - 1, 2 eta, F_0
-    vec4 dual_near[56]; // [8 harmonics][7 powers]: TT red, green, blue; R
-    vec4 dual_far[80];  // [10][8]: TRT red, green, blue
+    vec4 dual_wave[36]; // [12 harmonics]: TT; TRT; R and TRT's fifth
+    vec4 dual_near[32]; // [4 waves][8 powers]: TT red, green, blue; R
+    vec4 dual_far[45];  // [5 waves][9 powers]: TRT red, green, blue
 };
 
 // --- a view -----------------------------------------------------------------
@@ -70,19 +69,18 @@ layout(std140, binding = 6) uniform Dual {
 struct DualView {
     float theta_o;
     vec3 mass, centre, width2, skew, peak;
-    vec4 near[56];
-    vec3 far[80];
+    vec4 wave[36], near[32];
+    vec3 far[45];
 };
 
-#define DUAL_LOAD_8(to, from, i, part)                                         \
+#define DUAL_LOAD_3(to, from, i, part)                                         \
     to[i] = from[i] part;                                                      \
     to[i + 1] = from[i + 1] part;                                              \
-    to[i + 2] = from[i + 2] part;                                              \
-    to[i + 3] = from[i + 3] part;                                              \
-    to[i + 4] = from[i + 4] part;                                              \
-    to[i + 5] = from[i + 5] part;                                              \
-    to[i + 6] = from[i + 6] part;                                              \
-    to[i + 7] = from[i + 7] part
+    to[i + 2] = from[i + 2] part
+#define DUAL_LOAD_9(to, from, i, part)                                         \
+    DUAL_LOAD_3(to, from, i, part);                                            \
+    DUAL_LOAD_3(to, from, i + 3, part);                                        \
+    DUAL_LOAD_3(to, from, i + 6, part)
 
 DualView dual_view(float theta_o)
 {
@@ -93,62 +91,74 @@ DualView dual_view(float theta_o)
     v.width2 = dual_layer(theta_o, 4);
     v.skew = dual_layer(theta_o, 5);
     v.peak = dual_layer(theta_o, 6);
-    DUAL_LOAD_8(v.near, dual_near, 0, );
-    DUAL_LOAD_8(v.near, dual_near, 8, );
-    DUAL_LOAD_8(v.near, dual_near, 16, );
-    DUAL_LOAD_8(v.near, dual_near, 24, );
-    DUAL_LOAD_8(v.near, dual_near, 32, );
-    DUAL_LOAD_8(v.near, dual_near, 40, );
-    DUAL_LOAD_8(v.near, dual_near, 48, );
-    DUAL_LOAD_8(v.far, dual_far, 0, .rgb);
-    DUAL_LOAD_8(v.far, dual_far, 8, .rgb);
-    DUAL_LOAD_8(v.far, dual_far, 16, .rgb);
-    DUAL_LOAD_8(v.far, dual_far, 24, .rgb);
-    DUAL_LOAD_8(v.far, dual_far, 32, .rgb);
-    DUAL_LOAD_8(v.far, dual_far, 40, .rgb);
-    DUAL_LOAD_8(v.far, dual_far, 48, .rgb);
-    DUAL_LOAD_8(v.far, dual_far, 56, .rgb);
-    DUAL_LOAD_8(v.far, dual_far, 64, .rgb);
-    DUAL_LOAD_8(v.far, dual_far, 72, .rgb);
+    DUAL_LOAD_9(v.wave, dual_wave, 0, );
+    DUAL_LOAD_9(v.wave, dual_wave, 9, );
+    DUAL_LOAD_9(v.wave, dual_wave, 18, );
+    DUAL_LOAD_9(v.wave, dual_wave, 27, );
+    DUAL_LOAD_9(v.near, dual_near, 0, );
+    DUAL_LOAD_9(v.near, dual_near, 9, );
+    DUAL_LOAD_9(v.near, dual_near, 18, );
+    DUAL_LOAD_3(v.near, dual_near, 27, );
+    v.near[30] = dual_near[30];
+    v.near[31] = dual_near[31];
+    DUAL_LOAD_9(v.far, dual_far, 0, .rgb);
+    DUAL_LOAD_9(v.far, dual_far, 9, .rgb);
+    DUAL_LOAD_9(v.far, dual_far, 18, .rgb);
+    DUAL_LOAD_9(v.far, dual_far, 27, .rgb);
+    DUAL_LOAD_9(v.far, dual_far, 36, .rgb);
     return v;
 }
 
 // --- N^G (eq 28) ------------------------------------------------------------
-// The series of dual_azimuth.h summed over the harmonics of one Phi: what is
-// left is a polynomial of theta_d.
+// The series of dual_azimuth.h at one Phi: a polynomial of theta_d is left.
 struct DualSeries {
-    vec4 n0, n1, n2, n3, n4, n5, n6;     // TT red, green, blue; R
-    vec3 f0, f1, f2, f3, f4, f5, f6, f7; // TRT
+    vec4 n0, n1, n2, n3, n4, n5, n6, n7;     // TT red, green, blue; R
+    vec3 f0, f1, f2, f3, f4, f5, f6, f7, f8; // TRT
 };
 
+// What a harmonic adds to the waves of R and TT, and to those of TRT.
+#define DUAL_BOTH(k, c)                                                        \
+    tt += c * v.wave[3 * k];                                                   \
+    r += c * v.wave[3 * k + 2].xyz;                                            \
+    DUAL_ONE(k, c)
+#define DUAL_ONE(k, c)                                                         \
+    trt += c * v.wave[3 * k + 1];                                              \
+    last += c * v.wave[3 * k + 2].w
 #define DUAL_NEAR(p)                                                           \
-    (v.near[p] + c.x * v.near[7 + p] + c.y * v.near[14 + p] +                  \
-     c.z * v.near[21 + p] + c.w * v.near[28 + p] + d.x * v.near[35 + p] +      \
-     d.y * v.near[42 + p] + d.z * v.near[49 + p])
+    vec4(tt.x * v.near[p].xyz + tt.y * v.near[8 + p].xyz +                     \
+             tt.z * v.near[16 + p].xyz + tt.w * v.near[24 + p].xyz,            \
+         r.x * v.near[p].w + r.y * v.near[8 + p].w + r.z * v.near[16 + p].w)
 #define DUAL_FAR(p)                                                            \
-    (v.far[p] + c.x * v.far[8 + p] + c.y * v.far[16 + p] +                     \
-     c.z * v.far[24 + p] + c.w * v.far[32 + p] + d.x * v.far[40 + p] +         \
-     d.y * v.far[48 + p] + d.z * v.far[56 + p] + d.w * v.far[64 + p] +         \
-     e * v.far[72 + p])
+    (trt.x * v.far[p] + trt.y * v.far[9 + p] + trt.z * v.far[18 + p] +         \
+     trt.w * v.far[27 + p] + last * v.far[36 + p])
 
 DualSeries dual_series(DualView v, float cos_phi)
 {
-    // cos(n Phi), n = 1, 3, 5, ...
-    float twice = 4.0 * cos_phi * cos_phi - 2.0, e;
-    vec4 c, d;
-    c.x = cos_phi;
-    c.y = twice * c.x - c.x;
-    c.z = twice * c.y - c.x;
-    c.w = twice * c.z - c.y;
-    d.x = twice * c.w - c.z;
-    d.y = twice * d.x - c.w;
-    d.z = twice * d.y - d.x;
-    d.w = twice * d.z - d.y;
-    e = twice * d.w - d.z;
-    return DualSeries(
-        DUAL_NEAR(0), DUAL_NEAR(1), DUAL_NEAR(2), DUAL_NEAR(3), DUAL_NEAR(4),
-        DUAL_NEAR(5), DUAL_NEAR(6), DUAL_FAR(0), DUAL_FAR(1), DUAL_FAR(2),
-        DUAL_FAR(3), DUAL_FAR(4), DUAL_FAR(5), DUAL_FAR(6), DUAL_FAR(7));
+    // cos(n Phi), n = 1, 3, 5, ... 21
+    float twice = 4.0 * cos_phi * cos_phi - 2.0;
+    float c1 = cos_phi, c3 = twice * c1 - c1, c5 = twice * c3 - c1;
+    float c7 = twice * c5 - c3, c9 = twice * c7 - c5, c11 = twice * c9 - c7;
+    float c13 = twice * c11 - c9, c15 = twice * c13 - c11;
+    float c17 = twice * c15 - c13, c19 = twice * c17 - c15;
+    vec4 tt = v.wave[0], trt = v.wave[1];
+    vec3 r = v.wave[2].xyz;
+    float last = v.wave[2].w;
+    DUAL_BOTH(1, c1);
+    DUAL_BOTH(2, c3);
+    DUAL_BOTH(3, c5);
+    DUAL_BOTH(4, c7);
+    DUAL_BOTH(5, c9);
+    DUAL_BOTH(6, c11);
+    DUAL_BOTH(7, c13);
+    DUAL_ONE(8, c15);
+    DUAL_ONE(9, c17);
+    DUAL_ONE(10, c19);
+    DUAL_ONE(11, (twice * c19 - c17));
+    return DualSeries(DUAL_NEAR(0), DUAL_NEAR(1), DUAL_NEAR(2), DUAL_NEAR(3),
+                      DUAL_NEAR(4), DUAL_NEAR(5), DUAL_NEAR(6), DUAL_NEAR(7),
+                      DUAL_FAR(0), DUAL_FAR(1), DUAL_FAR(2), DUAL_FAR(3),
+                      DUAL_FAR(4), DUAL_FAR(5), DUAL_FAR(6), DUAL_FAR(7),
+                      DUAL_FAR(8));
 }
 
 struct DualPlace { // what one theta_i says
@@ -170,40 +180,41 @@ DualPlace dual_place(float theta_i, float theta_o)
 // cos theta_i / cos^2 theta_d N^G.
 float dual_at_r(DualSeries s, DualPlace p)
 {
-    float x = p.x, n = s.n5.w + x * s.n6.w;
-    n = s.n0.w + x * (s.n1.w + x * (s.n2.w + x * (s.n3.w + x * (s.n4.w + x * n))));
+    float x = p.x, n = s.n6.w + x * s.n7.w;
+    n = s.n3.w + x * (s.n4.w + x * (s.n5.w + x * n));
+    n = s.n0.w + x * (s.n1.w + x * (s.n2.w + x * n));
     return max(n, 0.0) * p.cos_i / (p.cos_d * p.cos_d);
 }
 
 vec3 dual_at_tt(DualSeries s, DualPlace p)
 {
     float x = p.x;
-    vec3 n = s.n5.xyz + x * s.n6.xyz;
-    n = s.n2.xyz + x * (s.n3.xyz + x * (s.n4.xyz + x * n));
-    n = s.n0.xyz + x * (s.n1.xyz + x * n);
+    vec3 n = s.n6.xyz + x * s.n7.xyz;
+    n = s.n3.xyz + x * (s.n4.xyz + x * (s.n5.xyz + x * n));
+    n = s.n0.xyz + x * (s.n1.xyz + x * (s.n2.xyz + x * n));
     return max(n, 0.0) * p.cos_i;
 }
 
 vec3 dual_at_trt(DualSeries s, DualPlace p)
 {
     float x = p.x, u = 1.0 - 0.65 * p.cos_d;
-    vec3 n = s.f5 + x * (s.f6 + x * s.f7);
-    n = s.f2 + x * (s.f3 + x * (s.f4 + x * n));
-    n = s.f0 + x * (s.f1 + x * n);
+    vec3 n = s.f6 + x * (s.f7 + x * s.f8);
+    n = s.f3 + x * (s.f4 + x * (s.f5 + x * n));
+    n = s.f0 + x * (s.f1 + x * (s.f2 + x * n));
     float schlick = dual_index.z + (1.0 - dual_index.z) * xu_fifth(u);
     return max(n, 0.0) * (p.cos_i * schlick);
 }
 
 // --- the integral over theta_i (eq 27) --------------------------------------
-// psi_f times M_t is a Gaussian, cut off at +-pi/2.  Four Gauss-Legendre nodes
-// over +-1.8 widths or as much of it as lies inside; their sum of exp(-t^2) is
-// then right in its second moment too, and short by 2.6 % over the whole width,
-// by h^8 of that over less.  The channels have their own sigma_f, but share the
-// nodes of the mean one: their masses are exact, their shift and width against
-// it corrected to second order (t, t^2).
+// psi_f times M_t is a Gaussian, cut off at +-pi/2.  Five Gauss-Legendre nodes
+// over +-1.985 widths, or as much of that as lies inside: there their sum of
+// exp(-t^2) is sqrt(pi), so that nothing needs to be made up for.  The channels
+// have their own sigma_f, but share the nodes of the mean one: their masses are
+// exact, their shift and width against it corrected to second order (t, t^2).
 struct DualRule {
-    vec4 at, t, weight;     // theta_i; in widths from the centre
-    vec3 mass, tilt, widen; // a channel's
+    vec4 at, t, weight;      // theta_i; in widths from the centre
+    float at4, t4, weight4;  // the middle node
+    vec3 mass, tilt, widen;  // a channel's
 };
 
 DualRule dual_rule(float centre, float width, float theta_j, vec3 sigma2)
@@ -214,14 +225,17 @@ DualRule dual_rule(float centre, float width, float theta_j, vec3 sigma2)
     float both = 1.0 / (w2 + s2), share = s2 * both;
     float l = width * sqrt(share), mu = theta_j + apart * share;
     float per = 1.0 / l, from = (-XU_HALF_PI - mu) * per, to = from + XU_PI * per;
-    float lo = max(from, min(-1.8, to - 1.0)), hi = min(to, max(1.8, from + 1.0));
-    float h = 0.5 * (hi - lo), h2 = h * h * (1.0 / 3.24), h4 = h2 * h2;
-    const vec4 x = vec4(-0.861136312, -0.339981044, 0.339981044, 0.861136312);
+    float lo = max(from, min(-1.985, to - 1.0));
+    float hi = min(to, max(1.985, from + 1.0)), h = 0.5 * (hi - lo);
+    const vec4 x = vec4(-0.906179846, -0.538469310, 0.538469310, 0.906179846);
     const vec4 w = 0.564189584 *
-                   vec4(0.347854845, 0.652145155, 0.652145155, 0.347854845);
-    r.t = 0.5 * (lo + hi) + h * x;
+                   vec4(0.236926885, 0.478628670, 0.478628670, 0.236926885);
+    r.t4 = 0.5 * (lo + hi);
+    r.t = r.t4 + h * x;
+    r.at4 = mu + l * r.t4;
     r.at = mu + l * r.t;
-    r.weight = h * (1.0 + DUAL_SHORT * h4 * h4) * w * exp(-r.t * r.t);
+    r.weight4 = (0.564189584 * 0.568888889) * h * exp(-r.t4 * r.t4);
+    r.weight = h * w * exp(-r.t * r.t);
     // Channel by channel.
     vec3 root = inversesqrt(w2 + sigma2), own = root * root;
     r.mass = 0.564189584 * root * exp(-apart * apart * own);
@@ -239,39 +253,47 @@ vec3 dual_finish(DualRule r, vec3 f0, vec3 f1, vec3 f2)
 
 vec3 dual_sum_r(DualSeries s, DualRule r, float theta_o)
 {
+    float mid = r.weight4 * dual_at_r(s, dual_place(r.at4, theta_o));
     vec4 f = r.weight * vec4(dual_at_r(s, dual_place(r.at.x, theta_o)),
                              dual_at_r(s, dual_place(r.at.y, theta_o)),
                              dual_at_r(s, dual_place(r.at.z, theta_o)),
                              dual_at_r(s, dual_place(r.at.w, theta_o)));
-    return dual_finish(r, vec3(dot(f, vec4(1.0))), vec3(dot(f, r.t)),
-                       vec3(dot(f, r.t * r.t - 0.5)));
+    return dual_finish(r, vec3(dot(f, vec4(1.0)) + mid),
+                       vec3(dot(f, r.t) + r.t4 * mid),
+                       vec3(dot(f, r.t * r.t - 0.5) +
+                            (r.t4 * r.t4 - 0.5) * mid));
 }
 
-vec3 dual_sum_four(DualRule r, vec3 a, vec3 b, vec3 c, vec3 d)
+vec3 dual_sum_five(DualRule r, vec3 a, vec3 b, vec3 mid, vec3 c, vec3 d)
 {
+    vec4 square = r.t * r.t - 0.5;
     a *= r.weight.x;
     b *= r.weight.y;
     c *= r.weight.z;
     d *= r.weight.w;
-    vec4 square = r.t * r.t - 0.5;
-    return dual_finish(r, a + b + c + d,
-                       r.t.x * a + r.t.y * b + r.t.z * c + r.t.w * d,
-                       square.x * a + square.y * b + square.z * c +
+    mid *= r.weight4;
+    return dual_finish(r, a + b + mid + c + d,
+                       r.t.x * a + r.t.y * b + r.t4 * mid + r.t.z * c +
+                           r.t.w * d,
+                       square.x * a + square.y * b +
+                           (r.t4 * r.t4 - 0.5) * mid + square.z * c +
                            square.w * d);
 }
 
 vec3 dual_sum_tt(DualSeries s, DualRule r, float theta_o)
 {
-    return dual_sum_four(r, dual_at_tt(s, dual_place(r.at.x, theta_o)),
+    return dual_sum_five(r, dual_at_tt(s, dual_place(r.at.x, theta_o)),
                          dual_at_tt(s, dual_place(r.at.y, theta_o)),
+                         dual_at_tt(s, dual_place(r.at4, theta_o)),
                          dual_at_tt(s, dual_place(r.at.z, theta_o)),
                          dual_at_tt(s, dual_place(r.at.w, theta_o)));
 }
 
 vec3 dual_sum_trt(DualSeries s, DualRule r, float theta_o)
 {
-    return dual_sum_four(r, dual_at_trt(s, dual_place(r.at.x, theta_o)),
+    return dual_sum_five(r, dual_at_trt(s, dual_place(r.at.x, theta_o)),
                          dual_at_trt(s, dual_place(r.at.y, theta_o)),
+                         dual_at_trt(s, dual_place(r.at4, theta_o)),
                          dual_at_trt(s, dual_place(r.at.z, theta_o)),
                          dual_at_trt(s, dual_place(r.at.w, theta_o)));
 }
