@@ -125,7 +125,10 @@ uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
     vec3 g = (p - shadow_box.xyz) * shadow_box.w;
     vec3 o = (p - shadow_head.xyz) * shadow_inverse.xyz;
     vec3 z = shadow_centre[light].xyz;
-    float lambda = uintBitsToFloat(l.z), reach = shadow_inverse.w;
+    float lambda = uintBitsToFloat(l.z);
+    // The farther a ray decides, the nearer the mean of many to the truth, and
+    // the noisier that of few.
+    float reach = shadow_inverse.w * (rays < 4u ? 1.0 : 1.5);
     // Half of what one ray stands for (see fill_block of crossings.c): where it
     // goes is drawn already, and the head's rim shall not be blurred twice.
     float wide = max(lambda, 1e-4) * sqrt(0.785398163 / float(rays));
@@ -143,11 +146,10 @@ uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
             best = max(best, c);
         }
         float open = shadow_head.w > 0.0 ? shadow_past_head(o, w, wide) : 1.0;
-        float end = reach; // how far fibres were counted, in cells
-        float n = shadow_near(p, g * shadow_cells.w, w, strand, end);
+        float end = reach; // how far fibres were met, in cells
+        vec3 near = shadow_near(p, g * shadow_cells.w, w, strand, end);
         float x = shadow_far(g + (end / shadow_cells.w) * w, way);
-        x *= exp(-0.05 * n);
-        sum += open * shadow_powers(x);
+        sum += open * vec4(near, 1.0) * shadow_powers(x);
         sum -= shadow_along(way, g, o, uintBitsToFloat(l.w));
     }
     vec4 mean = shadow_smooth(l, g, o) + sum / float(max(rays, 1u));

@@ -1,4 +1,4 @@
-// shadow_rays.glsl - rays that count real fibres near a point, before the
+// shadow_rays.glsl - rays that meet real fibres near a point, before the
 // voxels take over: what shadow_nodes_rays of shadow.glsl is made of.
 // All by texel fetches: some drivers fetch from storage blocks word by word.
 layout(binding = 9) uniform usamplerBuffer shadow_starts;
@@ -18,7 +18,7 @@ uint shadow_mix(uint x)
     return x ^ (x >> 16);
 }
 
-// What one fibre counts that begins at point i; 0 when the ray misses it.  A
+// How opaque the fibre is that begins at point i, 0 where the ray misses it.  A
 // ribbon that faces the ray: the foot of the perpendicular lies on it, nearer
 // than half its diameter.  from, to: the part of the ray that is asked for.
 float shadow_meets(int i, vec3 p, vec3 w, float from, float to, uint strand)
@@ -43,19 +43,23 @@ float shadow_meets(int i, vec3 p, vec3 w, float from, float to, uint strand)
 #endif
 }
 
-// Fibres crossed from p along w, up to `reach` cells; where they are already
-// many it stops sooner, and reach becomes how far it came: what is left of the
-// light there need not be known so well.  g: p in cells.  A fibre is listed in
-// every cell that it touches and counts in the one where the ray meets it.
-const float SHADOW_MANY = 3.0;
-float shadow_near(vec3 p, vec3 g, vec3 w, uint strand, inout float reach)
+// What passes the fibres from p along w up to `reach` cells, a fibre of opacity
+// o as the factor 1 - s o: a sum over real fibres, so not exp(-s n), which is
+// the mean over fibres that may be anywhere.  For s = 1, .3, .05.  Where fibres
+// are already many it stops sooner, and reach becomes how far it came: what is
+// left of the light there need not be known so well.  g: p in cells.  A fibre
+// is listed in every cell that it touches and met in the one where it is.
+const vec3 SHADOW_NODES = vec3(1.0, 0.3, 0.05);
+const float SHADOW_MANY = 0.35; // .7^3: three fibres
+vec3 shadow_near(vec3 p, vec3 g, vec3 w, uint strand, inout float reach)
 {
     vec3 size = shadow_cells.xyz, way = sign(w);
     vec3 slow = 1.0 / max(abs(w), vec3(1e-6)); // cells of ray a cell of axis
     vec3 cell = clamp(floor(g), vec3(0.0), size - 1.0);
     vec3 next = (way * (cell - g) + max(way, 0.0)) * slow;
     next = mix(next, vec3(1e9), equal(way, vec3(0.0)));
-    float unit = 1.0 / (shadow_box.w * shadow_cells.w), from = -1.0, sum = 0.0;
+    float unit = 1.0 / (shadow_box.w * shadow_cells.w), from = -1.0;
+    vec3 passes = vec3(1.0);
     float to = min(min(next.x, next.y), min(next.z, reach));
     int at = int(cell.x + size.x * (cell.y + size.y * cell.z));
     uint i = texelFetch(shadow_starts, at).x;
@@ -63,7 +67,8 @@ float shadow_near(vec3 p, vec3 g, vec3 w, uint strand, inout float reach)
     for (;;) {
         if (i < end) {
             int piece = int(texelFetch(shadow_pieces, int(i)).x);
-            sum += shadow_meets(piece, p, w, from * unit, to * unit, strand);
+            passes *= 1.0 - SHADOW_NODES * shadow_meets(piece, p, w, from * unit,
+                                                   to * unit, strand);
             i++;
         }
         if (i >= end) {
@@ -71,7 +76,7 @@ float shadow_near(vec3 p, vec3 g, vec3 w, uint strand, inout float reach)
             bvec3 cross = lessThanEqual(next, vec3(to));
             cell += mix(vec3(0.0), way, cross);
             next += mix(vec3(0.0), slow, cross);
-            if (to >= reach || sum >= SHADOW_MANY ||
+            if (to >= reach || passes.y < SHADOW_MANY ||
                 any(lessThan(cell, vec3(0.0))) ||
                 any(greaterThanEqual(cell, size)))
                 break;
@@ -81,8 +86,8 @@ float shadow_near(vec3 p, vec3 g, vec3 w, uint strand, inout float reach)
             end = texelFetch(shadow_starts, at + 1).x;
         }
     }
-    reach = sum >= SHADOW_MANY ? from : reach;
-    return sum;
+    reach = passes.y < SHADOW_MANY ? from : reach;
+    return passes;
 }
 
 // Two unit vectors across z, that depend on nothing else.

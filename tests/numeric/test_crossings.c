@@ -138,11 +138,15 @@ static void test_opacity(void)
         double worst = 0;
         for (int k = 0; k < 2; k++)
             scene_look(&s[k], rays, place, PLACES, AIMS, r[k]);
-        for (int i = 0; i < PLACES * AIMS; i++)
-            worst = fmax(worst, fabs(-20 * log(scene_node(&r[0][i], 2)) -
-                                     2 * -20 * log(scene_node(&r[1][i], 2))));
-        // bytes: .03 in n on either side, doubled on one; a ray may stop
-        // sooner where fibres count whole, so it is left at rays of few
+        for (int i = 0; i < PLACES * AIMS; i++) {
+            const double whole = -20 * log(scene_node(&r[0][i], 2));
+            const double half = -20 * log(scene_node(&r[1][i], 2));
+            // from three fibres on a ray stops: elsewhere in the two scenes
+            if (rays == 0 || whole < 2.9)
+                worst = fmax(worst, fabs(whole - 2 * half));
+        }
+        // bytes: .03 in n on either side, doubled on one; .95 and .975^2 of
+        // two fibres: another .03
         CHECK_ATMOST(worst, 0.2);
     }
     scene_close(&s[0]);
@@ -189,10 +193,11 @@ static void test_rays(void)
         }
         struct shoot_hit hit;
         shoot_ray(truth, &ray, &hit);
-        const double n = -20 * log(scene_node(&r[i], 2));
+        const double n = log(scene_node(&r[i], 2)) / log(0.95);
         met += hit.crossings > 0;
         // three or more: what is left is the voxels' affair
         wrong += hit.crossings < 3 ? fabs(n - hit.crossings) > 0.01 : n < 2.5;
+        wrong += r[i].clear != (hit.crossings > 0 ? 0.f : 1.f);
     }
     CHECK(met > PLACES * AIMS / 3);
     // single precision may tell a fibre's edge otherwise than double
