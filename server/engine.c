@@ -11,16 +11,16 @@
 #include <unistd.h>
 
 #include "server/clock.h"
-
-struct event_item {
-    struct event_item *next;
-    struct engine_event event;
-};
+#include "server/events.h"
 
 struct capture_item {
     struct capture_item *next;
     struct engine_capture capture;
 };
+
+// What was installed belongs to the revision that the loop makes of it: until
+// that is known nothing is rendered, or a frame would name the one before.
+enum installed { SETTLED, INSTALLED, TAKEN };
 
 struct engine {
     pthread_t render;
@@ -43,55 +43,25 @@ struct engine {
     uint64_t capturing; // id of the running one; 0: none
     bool capture_cancelled;
     struct loader_item *loaded; // waiting to be installed
-    struct event_item *first, *last;
+    enum installed installed;
+    struct events events;
     struct engine_stats stats;
     int64_t progress_since;
     // Render thread only:
     struct studio studio;
 };
 
-// --- events -----------------------------------------------------------------
-// Under the lock.
-static void push(struct engine *e, const struct engine_event *event)
-{
-    // A frame that nobody fetched yet is replaced by a newer one of its kind.
-    for (struct event_item *i = e->first; i && event->type == ENGINE_FRAME;
-         i = i->next) {
-        struct studio_frame *f = &i->event.frame;
-        if (i->event.type == ENGINE_FRAME &&
-            still_encoding_same(&f->asked, &event->frame.asked)) {
-            blob_unref(f->bytes);
-            *f = event->frame;
-            return;
-        }
-    }
-    struct event_item *item = bytes_zalloc(1, sizeof *item);
-    item->event = *event;
-    if (e->last)
-        e->last->next = item;
-    else
-        e->first = item;
-    e->last = item;
-}
-
+// --- the loop's side --------------------------------------------------------
 bool engine_take(struct engine *e, struct engine_event *out)
 {
     pthread_mutex_lock(&e->lock);
-    struct event_item *item = e->first;
-    if (item) {
-        e->first = item->next;
-        if (!e->first)
-            e->last = NULL;
-    }
+    bool got = events_take(&e->events, out);
+    if (got && out->type == ENGINE_LOADED && out->ok)
+        e->installed = TAKEN;
     pthread_mutex_unlock(&e->lock);
-    if (!item)
-        return false;
-    *out = item->event;
-    free(item);
-    return true;
+    return got;
 }
 
-// --- the loop's side --------------------------------------------------------
 void engine_edit(struct engine *e, const struct params *p, uint64_t revision,
                  int64_t received_us)
 {
@@ -99,6 +69,8 @@ void engine_edit(struct engine *e, const struct params *p, uint64_t revision,
     e->wish.params = *p;
     e->wish.revision = revision;
     e->wish.received_us = received_us;
+    if (e->installed == TAKEN) // not: one that was made before it was known
+        e->installed = SETTLED;
     pthread_cond_signal(&e->work);
     pthread_mutex_unlock(&e->lock);
 }
@@ -111,11 +83,7 @@ void engine_demand(struct engine *e, int viewers,
     e->wish.demand_count = count < STUDIO_DEMANDS ? count : STUDIO_DEMANDS;
     for (int d = 0; d < e->wish.demand_count; d++) {
         e->wish.demand[d] = demand[d];
-        // Frames that are on their way count as served.
-        for (struct event_item *i = e->first; i; i = i->next)
-            if (i->event.type == ENGINE_FRAME &&
-                still_encoding_same(&i->event.frame.asked, &demand[d].how))
-                studio_served(&e->wish.demand[d], &i->event.frame);
+        events_serve(&e->events, &e->wish.demand[d]);
     }
     pthread_cond_signal(&e->work);
     pthread_mutex_unlock(&e->lock);
@@ -205,7 +173,7 @@ static void note_frames(struct engine *e, const struct studio_frame *frames,
     for (int i = 0; i < count; i++) {
         struct engine_event event = {
             .type = ENGINE_FRAME, .ok = true, .frame = frames[i]};
-        push(e, &event);
+        events_push(&e->events, &event);
         e->stats.frames++;
         for (int d = 0; d < e->wish.demand_count; d++)
             if (still_encoding_same(&e->wish.demand[d].how, &frames[i].asked))
@@ -241,7 +209,7 @@ static void do_live(struct engine *e)
         .type = ENGINE_FAILED, .error = err, .frame.revision = wish.revision};
     e->stats.failures += !ok;
     if (!ok)
-        push(e, &failed);
+        events_push(&e->events, &failed);
 }
 
 static bool capture_goes_on(struct engine *e)
@@ -296,7 +264,7 @@ static void do_capture(struct engine *e)
         pthread_mutex_lock(&e->lock);
     }
     if (capture_goes_on(e))
-        push(e, &event);
+        events_push(&e->events, &event);
     else
         blob_unref(event.frame.bytes);
     e->capturing = 0;
@@ -329,9 +297,10 @@ static void do_install(struct engine *e)
     if (event.ok) {
         *(hair ? &e->stats.hair : &e->stats.env) = info;
         event.asset = info;
+        e->installed = INSTALLED;
     }
     if (!item->cancelled || event.ok)
-        push(e, &event);
+        events_push(&e->events, &event);
     loader_item_free(item);
 }
 
@@ -350,7 +319,9 @@ static void render_turns(struct engine *e)
     while (!e->stop) {
         int64_t until;
         bool wants = studio_wants(&e->studio, &e->wish, clock_us(), &until);
-        if (e->loaded) {
+        if (e->installed != SETTLED) {
+            wait_until(e, &e->work, INT64_MAX);
+        } else if (e->loaded) {
             do_install(e);
         } else if (e->captures && !(e->viewers_next && wants)) {
             do_capture(e);
@@ -363,7 +334,7 @@ static void render_turns(struct engine *e)
             wait_until(e, &e->work, until);
             continue;
         }
-        if (e->first)
+        if (e->events.first)
             e->wake(e->ctx);
     }
 }
@@ -475,9 +446,7 @@ void engine_destroy(struct engine *e)
 {
     if (!e)
         return;
-    struct engine_event event;
-    while (engine_take(e, &event))
-        blob_unref(event.frame.bytes);
+    events_finish(&e->events);
     while (e->captures) {
         struct capture_item *next = e->captures->next;
         free(e->captures);

@@ -82,7 +82,9 @@ struct engine_event {
     struct studio_frame frame;
     struct engine_asset_info asset;
 };
-// The oldest waiting event, or false.  The caller then owns frame.bytes.
+// The oldest waiting event, or false.  The caller then owns frame.bytes.  After
+// an ENGINE_LOADED that is ok it calls engine_edit: what was loaded is of that
+// revision, and nothing is rendered before.
 bool engine_take(struct engine *e, struct engine_event *out);
 
 struct engine_stats {

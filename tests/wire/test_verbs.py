@@ -294,6 +294,25 @@ def capture_shows_the_new_hair(d):
     c.close()
 
 
+def a_capture_names_the_revision_of_its_hair(d):
+    """A groom that comes while captures wait: each shows one of the two, under
+    the revision that has it."""
+    busy, loads, waits = d.connect(), d.connect(), d.connect()
+    busy.send("set quality.samples=400")
+    busy.reply()
+    busy.send("capture format=png")
+    loads.send("hair name=builtin:ponytail")
+    waits.send("capture format=png size=16x16")
+    busy.reply()
+    revision = loads.reply()[0]["revision"]
+    head, png = waits.reply()
+    new = b"builtin:ponytail" in png
+    equal(head["frame"]["revision"] >= revision, new,
+          "revision %d, new from %d" % (head["frame"]["revision"], revision))
+    for c in (busy, loads, waits):
+        c.close()
+
+
 def stats(d):
     c = d.connect()
     c.capture()
@@ -348,5 +367,6 @@ if __name__ == "__main__":
          capture_holds_its_state, capture_size_is_for_once,
          capture_is_deterministic, a_fresh_start_gives_the_same,
          capture_waits_for_its_revision,
-         hair_and_env, capture_shows_the_new_hair, stats, quit_closes_this_one,
+         hair_and_env, capture_shows_the_new_hair,
+         a_capture_names_the_revision_of_its_hair, stats, quit_closes_this_one,
          unknown_verbs_and_arguments], Daemon())
