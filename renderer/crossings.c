@@ -239,40 +239,68 @@ bool crossings_build_grid(struct crossings *c, const struct groom *g,
 
 // --- directions --------------------------------------------------------------
 
-// Ways of each light, scaled down until they fit.
+// How the tiles of so many ways lie: along z first, close in memory to what is
+// looked up with them.  Depends on nothing but their number, or else a lookup's
+// last bit would tell of what was in the atlas before.  Returns for how many
+// there is room then.
+static int lay_tiles(const struct crossings *c, int ways, int tiles[3])
+{
+    const int limit = limit_3d();
+    const int z = limit / c->size[Z], y = limit / c->size[Y];
+    tiles[X] = (ways + z * y - 1) / (z * y);
+    tiles[Y] = (ways + tiles[X] * z - 1) / (tiles[X] * z);
+    tiles[Z] = (ways + tiles[X] * tiles[Y] - 1) / (tiles[X] * tiles[Y]);
+    return tiles[X] * tiles[Y] * tiles[Z];
+}
+
+static bool has_room(const struct crossings *c, int ways)
+{
+    int tiles[3];
+    if (ways > most_tiles(c, limit_3d()))
+        return false;
+    if (c->options.budget == 0 || ways == 0)
+        return true;
+    const uint64_t room = (uint64_t)lay_tiles(c, ways, tiles);
+    return c->stats.grid_bytes + room * crossings_voxels(c) <=
+           c->options.budget;
+}
+
+// Ways of each light, fewer by `shift` halvings; returns their sum.
+static int count_ways(struct crossings *c, const struct crossings_light *l,
+                      int count, enum crossings_quality quality, int shift)
+{
+    int total = 0;
+    for (int j = 0; j < count; j++) {
+        int k = crossings_ways_count(l[j].lambda, quality) >> shift;
+        k = k < 1 ? 1 : k;
+        c->block->light[j][0] = (uint32_t)total;
+        c->block->light[j][1] = (uint32_t)k;
+        total += k;
+    }
+    return total;
+}
+
 static bool choose_counts(struct crossings *c, const struct crossings_light *l,
                           int count, enum crossings_quality quality,
                           struct error *err)
 {
-    int most = most_tiles(c, limit_3d());
-    const uint64_t kept = c->stats.grid_bytes;
-    if (c->options.budget > 0) {
-        uint64_t left = c->options.budget > kept ? c->options.budget - kept : 0;
-        if (left / crossings_voxels(c) < (uint64_t)most)
-            most = (int)(left / crossings_voxels(c));
+    if (!has_room(c, count)) {
+        int tiles[3];
+        const uint64_t room = (uint64_t)lay_tiles(c, count, tiles);
+        return error_set(err, "limit", "shadow",
+                         "shadows: %d lights need %llu bytes for %d x %d x %d "
+                         "voxels; %llu and %d directions are possible",
+                         count,
+                         (unsigned long long)(c->stats.grid_bytes +
+                                              room * crossings_voxels(c)),
+                         c->size[X], c->size[Y], c->size[Z],
+                         (unsigned long long)c->options.budget,
+                         most_tiles(c, limit_3d()));
     }
-    if (count > most)
-        return error_set(
-            err, "limit", "shadow",
-            "shadows: %d lights need %llu bytes for %d x %d x %d voxels, %llu "
-            "are allowed",
-            count,
-            (unsigned long long)(kept + crossings_voxels(c) * (uint64_t)count),
-            c->size[X], c->size[Y], c->size[Z],
-            (unsigned long long)(kept + crossings_voxels(c) * (uint64_t)most));
-    int wanted = 0, total = 0;
-    for (int shift = 0; shift == 0 || total > most; shift++) {
-        total = 0;
-        for (int j = 0; j < count; j++) {
-            int k = crossings_ways_count(l[j].lambda, quality) >> shift;
-            k = k < 1 ? 1 : k;
-            c->block->light[j][0] = (uint32_t)total;
-            c->block->light[j][1] = (uint32_t)k;
-            total += k;
-        }
-        if (shift == 0)
-            wanted = total;
-    }
+    int total = count_ways(c, l, count, quality, 0);
+    const int wanted = total;
+    for (int shift = 1; !has_room(c, total); shift++)
+        total = count_ways(c, l, count, quality, shift);
     c->stats.lights = count;
     c->stats.ways = total;
     c->stats.ways_per_light = wanted ? (float)total / (float)wanted : 1;
@@ -311,18 +339,10 @@ static void fill_block(struct crossings *c, const struct crossings_light *l)
     gl.NamedBufferSubData(c->uniform, 0, sizeof *b, b);
 }
 
-// Tiles are stacked along z first: close in memory to what is looked up with
-// them.  How they lie depends on nothing but their number, or else a lookup's
-// last bit would tell of what was in the atlas before.
 static bool make_atlas(struct crossings *c, struct error *err)
 {
-    const int limit = limit_3d();
-    int tiles[3], left = c->stats.ways;
-    for (int a = Z; a >= X; a--) {
-        int most = limit / c->size[a];
-        tiles[a] = left < most ? left : most;
-        left = (left + tiles[a] - 1) / tiles[a];
-    }
+    int tiles[3];
+    const int room = lay_tiles(c, c->stats.ways, tiles);
     if (c->atlas && memcmp(tiles, c->tiles, sizeof tiles) == 0)
         return true;
     gl.DeleteTextures(1, &c->atlas);
@@ -336,9 +356,11 @@ static bool make_atlas(struct crossings *c, struct error *err)
     gl.TextureParameteri(c->atlas, GL_TEXTURE_WRAP_R, GL_CLAMP_TO_EDGE);
     gl.ObjectLabel(GL_TEXTURE, c->atlas, -1, "crossings");
     memcpy(c->tiles, tiles, sizeof tiles);
-    c->stats.ways_bytes = (uint64_t)tiles[X] * (uint64_t)tiles[Y] *
-                          (uint64_t)tiles[Z] * crossings_voxels(c);
-    return gl_check("the shadows' directions", err);
+    c->stats.ways_bytes = (uint64_t)room * crossings_voxels(c);
+    if (gl_check("the shadows' directions", err))
+        return true;
+    forget_ways(c);
+    return false;
 }
 
 bool crossings_update(struct crossings *c, const struct crossings_light *lights,
