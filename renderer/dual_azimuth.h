@@ -37,7 +37,7 @@ enum {
     DUAL_HARMONICS_TRT = 12,
     DUAL_WAVES_R = 3,
     DUAL_WAVES_TT = 4,
-    DUAL_WAVES_TRT = 5,
+    DUAL_WAVES_TRT = 6,
     DUAL_POWERS = 8,
     DUAL_POWERS_TRT = 9
 };

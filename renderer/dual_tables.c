@@ -20,7 +20,7 @@ enum {
     ENERGIES = 96, // intervals of cos theta_d
     NODES = 20,    // of an integral over an inclination
     HEAD = 1,      // vec4 before the waves in the block
-    WAVES = 3,     // vec4 of a harmonic
+    WAVES = 4,     // vec4 of a harmonic
     BLOCK = HEAD + WAVES * DUAL_HARMONICS_TRT + DUAL_WAVES_TT * DUAL_POWERS +
             DUAL_WAVES_TRT * DUAL_POWERS_TRT
 };
@@ -326,14 +326,14 @@ static void fill_block(struct dual_tables *t)
     row[0][1] = (float)(2 * eta);
     row[0][2] = (float)(f0 * f0);
     row += HEAD;
-    // A harmonic: TT's four waves; four of TRT's; R's three and TRT's fifth.
+    // A harmonic: TT's four waves; R's three; four of TRT's, the other two.
     for (int k = 0; k < DUAL_HARMONICS_TRT; k++, row += WAVES) {
         for (int m = 0; m < DUAL_WAVES_TT && k < DUAL_HARMONICS; m++)
             row[0][m] = (float)s->wave_tt[m][k];
         for (int m = 0; m < DUAL_WAVES_R && k < DUAL_HARMONICS; m++)
-            row[2][m] = (float)s->wave_r[m][k];
+            row[1][m] = (float)s->wave_r[m][k];
         for (int m = 0; m < DUAL_WAVES_TRT; m++)
-            row[m < 4 ? 1 : 2][m < 4 ? m : 3] = (float)s->wave_trt[m][k];
+            row[2 + m / 4][m % 4] = (float)s->wave_trt[m][k];
     }
     for (int m = 0; m < DUAL_WAVES_TT; m++)
         for (int p = 0; p < DUAL_POWERS; p++, row++) {

@@ -56,9 +56,9 @@ float dual_half_share(float kappa, float i0e, float cos_phi)
 
 layout(std140, binding = 6) uniform Dual {
     vec4 dual_index;    // eta^2 - 1, 2 eta, F_0
-    vec4 dual_wave[36]; // [12 harmonics]: TT; TRT; R and TRT's fifth
+    vec4 dual_wave[48]; // [12 harmonics]: TT; R; TRT, TRT
     vec4 dual_near[32]; // [4 waves][8 powers]: TT red, green, blue; R
-    vec4 dual_far[45];  // [5 waves][9 powers]: TRT red, green, blue
+    vec4 dual_far[54];  // [6 waves][9 powers]: TRT red, green, blue
 };
 
 // --- a view -----------------------------------------------------------------
@@ -69,8 +69,8 @@ layout(std140, binding = 6) uniform Dual {
 struct DualView {
     float theta_o;
     vec3 mass, centre, width2, skew, peak;
-    vec4 wave[36], near[32];
-    vec3 far[45];
+    vec4 wave[48], near[32];
+    vec3 far[54];
 };
 
 #define DUAL_LOAD_3(to, from, i, part)                                         \
@@ -95,6 +95,8 @@ DualView dual_view(float theta_o)
     DUAL_LOAD_9(v.wave, dual_wave, 9, );
     DUAL_LOAD_9(v.wave, dual_wave, 18, );
     DUAL_LOAD_9(v.wave, dual_wave, 27, );
+    DUAL_LOAD_9(v.wave, dual_wave, 36, );
+    DUAL_LOAD_3(v.wave, dual_wave, 45, );
     DUAL_LOAD_9(v.near, dual_near, 0, );
     DUAL_LOAD_9(v.near, dual_near, 9, );
     DUAL_LOAD_9(v.near, dual_near, 18, );
@@ -106,6 +108,7 @@ DualView dual_view(float theta_o)
     DUAL_LOAD_9(v.far, dual_far, 18, .rgb);
     DUAL_LOAD_9(v.far, dual_far, 27, .rgb);
     DUAL_LOAD_9(v.far, dual_far, 36, .rgb);
+    DUAL_LOAD_9(v.far, dual_far, 45, .rgb);
     return v;
 }
 
@@ -118,19 +121,19 @@ struct DualSeries {
 
 // What a harmonic adds to the waves of R and TT, and to those of TRT.
 #define DUAL_BOTH(k, c)                                                        \
-    tt += c * v.wave[3 * k];                                                   \
-    r += c * v.wave[3 * k + 2].xyz;                                            \
+    tt += c * v.wave[4 * k];                                                   \
+    r += c * v.wave[4 * k + 1].xyz;                                            \
     DUAL_ONE(k, c)
 #define DUAL_ONE(k, c)                                                         \
-    trt += c * v.wave[3 * k + 1];                                              \
-    last += c * v.wave[3 * k + 2].w
+    trt += c * v.wave[4 * k + 2];                                              \
+    last += c * v.wave[4 * k + 3].xy
 #define DUAL_NEAR(p)                                                           \
     vec4(tt.x * v.near[p].xyz + tt.y * v.near[8 + p].xyz +                     \
              tt.z * v.near[16 + p].xyz + tt.w * v.near[24 + p].xyz,            \
          r.x * v.near[p].w + r.y * v.near[8 + p].w + r.z * v.near[16 + p].w)
 #define DUAL_FAR(p)                                                            \
     (trt.x * v.far[p] + trt.y * v.far[9 + p] + trt.z * v.far[18 + p] +         \
-     trt.w * v.far[27 + p] + last * v.far[36 + p])
+     trt.w * v.far[27 + p] + last.x * v.far[36 + p] + last.y * v.far[45 + p])
 
 DualSeries dual_series(DualView v, float cos_phi)
 {
@@ -140,9 +143,9 @@ DualSeries dual_series(DualView v, float cos_phi)
     float c7 = twice * c5 - c3, c9 = twice * c7 - c5, c11 = twice * c9 - c7;
     float c13 = twice * c11 - c9, c15 = twice * c13 - c11;
     float c17 = twice * c15 - c13, c19 = twice * c17 - c15;
-    vec4 tt = v.wave[0], trt = v.wave[1];
-    vec3 r = v.wave[2].xyz;
-    float last = v.wave[2].w;
+    vec4 tt = v.wave[0], trt = v.wave[2];
+    vec3 r = v.wave[1].xyz;
+    vec2 last = v.wave[3].xy;
     DUAL_BOTH(1, c1);
     DUAL_BOTH(2, c3);
     DUAL_BOTH(3, c5);
