@@ -7,6 +7,7 @@
 
 #define AT(g, n) offsetof(struct params, g.n)
 #define GROUP(g, title)
+// clang-format off
 #define FLOAT(g, n, def, lo, hi, unit, doc)                                    \
     {GROUP_##g, #g, #n, PARAMS_FLOAT, false, {def}, lo, hi, unit, NULL, doc,   \
      AT(g, n), 1},
@@ -28,6 +29,7 @@
 #define VEC3(g, n, lo, hi, unit, doc)                                          \
     {GROUP_##g, #g, #n, PARAMS_VEC3, true, {NAN, NAN, NAN}, lo, hi, unit,      \
      NULL, doc, AT(g, n), 3},
+// clang-format on
 #define END(g)
 const struct params_row params_rows[] = {
 #include "protocol/params.def"

@@ -19,7 +19,9 @@
 #define CHOICE(g, n, def, words, doc) int32_t n;
 #define RGB(g, n, r, gr, b, lo, hi, unit, doc) float n[3];
 #define VEC3(g, n, lo, hi, unit, doc) float n[3];
+// clang-format off
 #define END(g) } g;
+// clang-format on
 struct params {
 #include "protocol/params.def"
 };

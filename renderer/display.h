@@ -17,8 +17,8 @@ struct display {
     unsigned pixels;     // buffer, RGBA8
     void *mapped;        // the same, for reading
     size_t size;
-    unsigned sky;           // texture, uploaded when it is to be seen
-    const void *sky_of;     // the map it was made from
+    unsigned sky;       // texture, uploaded when it is to be seen
+    const void *sky_of; // the map it was made from
 };
 
 void display_init(struct display *d);

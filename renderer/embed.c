@@ -4,14 +4,14 @@
 
 #include <string.h>
 
-#define SHADER(id, file)                                                       \
-    __asm__(".section .rodata\n"                                               \
-            "embed_" #id "_begin:\n"                                           \
-            ".incbin \"shaders/" file "\"\n"                                   \
-            "embed_" #id "_end:\n"                                             \
-            ".byte 0\n"                                                        \
-            ".previous\n"                                                      \
-            ".global embed_" #id "_begin, embed_" #id "_end\n");               \
+#define SHADER(id, file) \
+    __asm__(".section .rodata\n" \
+            "embed_" #id "_begin:\n" \
+            ".incbin \"shaders/" file "\"\n" \
+            "embed_" #id "_end:\n" \
+            ".byte 0\n" \
+            ".previous\n" \
+            ".global embed_" #id "_begin, embed_" #id "_end\n"); \
     extern const unsigned char embed_##id##_begin[], embed_##id##_end[];
 #include "shader_list.h"
 #undef SHADER

@@ -18,10 +18,10 @@ static bool fetch(void *slot, const char *name)
 
 bool gl_load(struct error *err)
 {
-#define F(UPPER, Name)                                                         \
-    if (!fetch(&gl.Name, "gl" #Name))                                          \
-        return error_set(err, "gpu", "gl" #Name,                               \
-                         "the OpenGL driver has no gl" #Name                   \
+#define F(UPPER, Name) \
+    if (!fetch(&gl.Name, "gl" #Name)) \
+        return error_set(err, "gpu", "gl" #Name, \
+                         "the OpenGL driver has no gl" #Name \
                          " (OpenGL 4.5 core is needed)");
     GL_FUNCTIONS(F)
 #undef F

@@ -11,6 +11,7 @@
 
 #include "protocol/error.h"
 
+// clang-format off
 #define GL_FUNCTIONS(F)                                                        \
     F(GETSTRING, GetString)                                                    \
     F(GETINTEGERV, GetIntegerv)                                                \
@@ -99,6 +100,7 @@
     F(DELETEQUERIES, DeleteQueries)                                            \
     F(QUERYCOUNTER, QueryCounter)                                              \
     F(GETQUERYOBJECTUI64V, GetQueryObjectui64v)
+// clang-format on
 
 struct gl {
 #define F(UPPER, Name) PFNGL##UPPER##PROC Name;

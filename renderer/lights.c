@@ -36,9 +36,11 @@ static void rotation(const struct params *p, double m[9])
     double cz = cos(p->light.yaw * rad), sz = sin(p->light.yaw * rad);
     double cx = cos(p->light.pitch * rad), sx = sin(p->light.pitch * rad);
     double cy = cos(p->light.roll * rad), sy = sin(p->light.roll * rad);
+    // clang-format off
     const double xy[9] = {cy,       0,  sy, // Rx(pitch) Ry(roll)
                           sx * sy,  cx, -sx * cy,
                           -cx * sy, sx, cx * cy};
+    // clang-format on
     for (int c = 0; c < 3; c++) {
         m[c] = cz * xy[c] - sz * xy[3 + c];
         m[3 + c] = sz * xy[c] + cz * xy[3 + c];
@@ -50,11 +52,13 @@ struct sun { // the three groups have the same rows
     double strength, colour[3], azimuth, elevation;
 };
 
+// clang-format off
 #define SUN(s)                                                                 \
     {(s).strength,                                                             \
      {(s).colour[0], (s).colour[1], (s).colour[2]},                            \
      (s).azimuth * M_PI / 180,                                                 \
      (s).elevation * M_PI / 180}
+// clang-format on
 
 // Those that shine, in order.
 static int suns_of(const struct params *p, struct sun out[LIGHTS_SUNS])
@@ -113,10 +117,10 @@ bool lights_put(struct lights *l, const struct sky_fit *fit,
     }
     for (int i = 0; i < suns; i++) {
         const double *e = &sun[i].elevation, *a = &sun[i].azimuth;
-        place[sky + i] = (struct lights_place){
-            {(float)(cos(*e) * sin(*a)), (float)(-cos(*e) * cos(*a)),
-             (float)sin(*e)},
-            (float)LIGHTS_SUN_LAMBDA};
+        place[sky + i] =
+            (struct lights_place){{(float)(cos(*e) * sin(*a)),
+                                   (float)(-cos(*e) * cos(*a)), (float)sin(*e)},
+                                  (float)LIGHTS_SUN_LAMBDA};
     }
     bool changed = l->used != sky + suns || l->suns != suns ||
                    memcmp(place, l->place, sizeof place) != 0;
@@ -143,11 +147,11 @@ void lights_tint(struct lights *l, const struct sky_fit *fit,
         out->place[3] = l->place[j].lambda;
         out->radiance[3] = (float)omega;
         for (int c = 0; c < 3; c++)
-            out->radiance[c] =
-                j < sky ? (float)(fit->light[j].radiance[c] * gain *
-                                  (double)p->tint.colour[c])
-                        : (float)(sun[j - sky].strength / omega *
-                                  sun[j - sky].colour[c]);
+            out->radiance[c] = j < sky
+                                   ? (float)(fit->light[j].radiance[c] * gain *
+                                             (double)p->tint.colour[c])
+                                   : (float)(sun[j - sky].strength / omega *
+                                             sun[j - sky].colour[c]);
     }
     block.count = (uint32_t)l->used;
     gl.NamedBufferSubData(l->block, 0, sizeof block, &block);

@@ -28,8 +28,8 @@ struct nodes {
 };
 
 struct nodes_request {
-    int part;     // of the cells' list: the sample
-    int rays;     // for each place and light; 0: the smooth field
+    int part; // of the cells' list: the sample
+    int rays; // for each place and light; 0: the smooth field
     int lights;
     uint32_t places; // that this sample sees first
     uint64_t budget; // bytes for one of the two

@@ -143,8 +143,8 @@ static bool cell_store(struct picture *p, const struct params *params,
     const uint64_t budget = (uint64_t)params->quality.cache_mb << 20;
     const uint64_t least = power_of_two(2 * pixels);
     uint64_t slots = power_of_two(12 * pixels);
-    while (slots > least && (22 * slots > budget / 2 ||
-                             16 * slots > (uint64_t)limit))
+    while (slots > least &&
+           (22 * slots > budget / 2 || 16 * slots > (uint64_t)limit))
         slots /= 2;
     if (16 * slots > (uint64_t)limit)
         return error_set(
@@ -153,8 +153,8 @@ static bool cell_store(struct picture *p, const struct params *params,
             "allows %lld: at most %lld pixels",
             p->width, p->height, (unsigned long long)(16 * slots),
             (long long)limit, (long long)(limit / 32));
-    uint64_t maps = (budget - (22 * slots < budget ? 22 * slots : budget)) /
-                    (4 * pixels);
+    uint64_t maps =
+        (budget - (22 * slots < budget ? 22 * slots : budget)) / (4 * pixels);
     const uint64_t most = (uint64_t)limit / (4 * pixels) - 1; // see below
     if (maps > most)
         maps = most;
@@ -267,8 +267,8 @@ void picture_scene(struct picture *p, const struct picture_scene *s, int k)
 
 void picture_bind(const struct picture *p)
 {
-    const unsigned buffers[] = {p->keys, p->radiance, p->list,
-                                p->counts, p->map,    p->sum, p->head};
+    const unsigned buffers[] = {p->keys, p->radiance, p->list, p->counts,
+                                p->map,  p->sum,      p->head};
     for (unsigned i = 0; i < 7; i++)
         gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 4 + i, buffers[i]);
 }

@@ -22,21 +22,21 @@ enum { PICTURE_SCENE_BINDING = 1, PICTURE_SAMPLES_MAX = 4096 };
 
 struct picture {
     int width, height;
-    unsigned id, depth, target;                // what the raster writes
-    unsigned keys, radiance, list, counts, map; // cells.glsl
-    unsigned sum, head;                        // accumulate.comp
-    unsigned scene;                            // uniform block
+    unsigned id, depth, target;                    // what the raster writes
+    unsigned keys, radiance, list, counts, map;    // cells.glsl
+    unsigned sum, head;                            // accumulate.comp
+    unsigned scene;                                // uniform block
     unsigned thin, wide, solid, cells, count, add; // programs
     bool opacity_variant;
     unsigned vertices; // a vertex array with nothing but quads' indices
     unsigned quads;
-    uint32_t slots;    // of the hash table, a power of two
-    int maps;          // samples whose map is kept
-    int cache_mb;      // quality.cache_mb that all this was sized for
-    int seen;          // samples whose cells are listed
-    bool flushed;      // the list no longer begins with sample 0
-    uint32_t listed;   // entries of the list, as last read
-    uint32_t lost;     // pixels without a place in the table: 0
+    uint32_t slots;  // of the hash table, a power of two
+    int maps;        // samples whose map is kept
+    int cache_mb;    // quality.cache_mb that all this was sized for
+    int seen;        // samples whose cells are listed
+    bool flushed;    // the list no longer begins with sample 0
+    uint32_t listed; // entries of the list, as last read
+    uint32_t lost;   // pixels without a place in the table: 0
     uint64_t target_bytes, cache_bytes;
 };
 
@@ -55,7 +55,7 @@ void picture_finish(struct picture *p);
 // the device's buffers are too small for such a picture.
 bool picture_resize(struct picture *p, const struct params *params,
                     struct error *err);
-void picture_forget(struct picture *p); // camera or strands changed
+void picture_forget(struct picture *p);  // camera or strands changed
 void picture_restart(struct picture *p); // sample 0 comes next; cells stay
 
 // Does sample k still have to be rastered?

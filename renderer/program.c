@@ -157,8 +157,8 @@ unsigned program_compute(const char *name, const char *defines,
     return link_all(&shader, 1, name, err);
 }
 
-unsigned program_raster(const char *vert, const char *frag,
-                        const char *defines, struct error *err)
+unsigned program_raster(const char *vert, const char *frag, const char *defines,
+                        struct error *err)
 {
     GLuint shaders[2] = {compile(GL_VERTEX_SHADER, vert, defines, err), 0};
     if (shaders[0])

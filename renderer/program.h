@@ -23,7 +23,7 @@ bool program_expand(struct buf *out, const char *name, const char *defines,
 // Compiles and links.  0 and *err (with the compiler's first message) on fault.
 unsigned program_compute(const char *name, const char *defines,
                          struct error *err);
-unsigned program_raster(const char *vert, const char *frag,
-                        const char *defines, struct error *err);
+unsigned program_raster(const char *vert, const char *frag, const char *defines,
+                        struct error *err);
 
 #endif

@@ -217,7 +217,6 @@ bool renderer_step(struct renderer *r, bool *done, struct error *err)
         renderer_mark(r, RENDERER_VISIBLE); // half a sample may be in the sum
         return false;
     }
-    *done = r->samples >= r->params.quality.samples &&
-            (!refine || r->refined);
+    *done = r->samples >= r->params.quality.samples && (!refine || r->refined);
     return true;
 }

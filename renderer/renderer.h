@@ -19,7 +19,7 @@
 
 struct renderer;
 
-enum renderer_stage { // in the order in which they run
+enum renderer_stage {   // in the order in which they run
     RENDERER_STRANDS,   // hair: vertex buffers
     RENDERER_SKY,       // sky: the fit, lights in the map's frame
     RENDERER_LIGHT,     // light, suns: lights in the world, those that matter
@@ -47,15 +47,15 @@ struct renderer_stats {
     double stage_ms[RENDERER_STAGES]; // of the last step; < 0: did not run
     int samples;                      // accumulated so far
     int samples_wanted;
-    uint32_t visible_points; // shaded by the last step
+    uint32_t visible_points;        // shaded by the last step
     int lights_used, lights_fitted; // suns count among those used
     bool refined; // this picture's shadows are being made by real rays
     int shadow_resolution, shadow_directions; // in use; 0: no shadows
     double shadow_grid_ms, shadow_sweep_ms;   // of the last build
     struct renderer_left_out left_out[12];
     int left_out_count;
-    float diameter;   // in use, file units (see hair.diameter)
-    int up;           // 0, 1, 2: the axis taken as up (see hair.up)
+    float diameter;          // in use, file units (see hair.diameter)
+    int up;                  // 0, 1, 2: the axis taken as up (see hair.up)
     float eye[3], target[3]; // in use, world (see camera.eye = auto)
     uint64_t memory_strands, memory_targets, memory_cache; // bytes
     uint64_t memory_shadow;

@@ -28,9 +28,9 @@ struct renderer {
     struct strands strands;
     struct lights lights;
     struct crossings crossings;
-    bool grid_stale, lists_built; // of the crossings
+    bool grid_stale, lists_built;                            // of the crossings
     int grid_resolution, grid_memory_mb, directions_quality; // made for
-    bool directions_stale;        // lights stand elsewhere than swept for
+    bool directions_stale; // lights stand elsewhere than swept for
     struct nodes nodes;
     bool unstored; // rays were asked for, but their results found no room
     struct shading shading;

@@ -23,8 +23,9 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
         leave_out(s, "tt_trt", r->shading.opaque_bound,
                   "fibre.sigma_a lets no light through");
     if (r->lights.used < r->lights.fitted) {
-        snprintf(why, sizeof why, "%d of %d lights hold less of the sky's "
-                                  "light than quality.light_bound",
+        snprintf(why, sizeof why,
+                 "%d of %d lights hold less of the sky's "
+                 "light than quality.light_bound",
                  r->lights.fitted - r->lights.used, r->lights.fitted);
         leave_out(s, "lights", r->lights.dropped_share, why);
     }
@@ -37,18 +38,19 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
                   "render.multiple or shadows are off, or a part is shown that "
                   "has none");
     if (r->unstored)
-        leave_out(s, "shadow_rays", 1, "what rays find does not fit into "
-                                       "quality.cache_mb for so many pixels "
-                                       "and lights: the smooth field");
+        leave_out(s, "shadow_rays", 1,
+                  "what rays find does not fit into "
+                  "quality.cache_mb for so many pixels "
+                  "and lights: the smooth field");
     if (!r->strands.opacity && r->strands.plain_colour[3] >= 1)
-        leave_out(s, "opacity", 0, "hair.use_opacity is off or the file has "
-                                   "none");
+        leave_out(s, "opacity", 0,
+                  "hair.use_opacity is off or the file has none");
     if (!r->strands.draw_wide)
-        leave_out(s, "wide_strands", 0, "every strand is thinner than 0.7 "
-                                        "pixels");
+        leave_out(s, "wide_strands", 0,
+                  "every strand is thinner than 0.7 pixels");
     else if (!r->strands.draw_thin)
-        leave_out(s, "thin_strands", 0, "every strand is wider than 0.7 "
-                                        "pixels");
+        leave_out(s, "thin_strands", 0,
+                  "every strand is wider than 0.7 pixels");
     if (r->params.view.background != 2)
         leave_out(s, "sky_picture", 0, "view.background does not show the sky");
 }

@@ -33,9 +33,8 @@ static bool wait_for_gpu(const char *doing, struct error *err)
         state = gl.ClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, second);
     gl.DeleteSync(fence);
     if (state == GL_TIMEOUT_EXPIRED)
-        return error_set(err, "gpu", doing, "%s: the GPU did not answer for "
-                                            "600 s",
-                         doing);
+        return error_set(err, "gpu", doing,
+                         "%s: the GPU did not answer for 600 s", doing);
     return gl_check(doing, err);
 }
 
@@ -123,8 +122,7 @@ bool renderer_read_display(struct renderer *r, struct buf *out,
     bind_scene(r, r->samples - 1);
     timer_begin(t, RENDERER_DISPLAY, "display");
     picture_bind(&r->picture);
-    bool drawn =
-        display_draw(&r->display, &r->params, r->map, r->samples, err);
+    bool drawn = display_draw(&r->display, &r->params, r->map, r->samples, err);
     timer_end(t, RENDERER_DISPLAY);
     if (!drawn || !wait_for_gpu("display", err))
         return false;

@@ -19,7 +19,7 @@ enum {
     LAST_SINGLE = 4,
     LAST_LIGHT = 6,
     PART_LOCATION = 0,
-    XU_M_LOCATION = 16   // xu.glsl
+    XU_M_LOCATION = 16 // xu.glsl
 };
 
 void shading_init(struct shading *s)

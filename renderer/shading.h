@@ -27,8 +27,8 @@ struct shading {
     unsigned clock;
     unsigned params; // uniform block
     struct xu_tables *tables;
-    int m;           // segments, where the program has them as a uniform
-    struct dual_tables *dual;   // made when multiple scattering is first asked for
+    int m; // segments, where the program has them as a uniform
+    struct dual_tables *dual; // made when it is first asked for
     bool circular, opaque, shadowed, multiple;
     double opaque_bound; // what leaving TT and TRT out can change, of R
     float mask[3];       // R, TT, TRT shown
@@ -45,7 +45,7 @@ void shading_update(struct shading *s, const struct params *p,
 bool shading_wants_axis(const struct params *p);
 
 struct shading_sample {
-    int part;         // of the list of cells, as picture_prepare had it
+    int part; // of the list of cells, as picture_prepare had it
     const struct nodes_store *nodes; // transmittances; NULL: looked up here
 };
 

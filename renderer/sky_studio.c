@@ -26,10 +26,10 @@ struct box { // a lit rectangle with soft edges, facing the hair
 // The camera stands at azimuth -90, the rim lights opposite.
 static const struct box boxes[] = {
     {-142, 30, 62, 46, -8, 0.35, {14, 12.4, 10.6}}, // key
-    {-32, 8, 58, 70, 0, 0.60, {1.7, 2.0, 2.4}}, // fill
-    {52, 26, 13, 74, 12, 0.30, {15, 16.6, 19.5}}, // rim strip, right
+    {-32, 8, 58, 70, 0, 0.60, {1.7, 2.0, 2.4}},     // fill
+    {52, 26, 13, 74, 12, 0.30, {15, 16.6, 19.5}},   // rim strip, right
     {133, 34, 22, 30, -10, 0.35, {9.0, 9.5, 10.6}}, // rim, left
-    {90, 74, 44, 30, 0, 0.45, {5.0, 4.9, 4.7}},  // hair light
+    {90, 74, 44, 30, 0, 0.45, {5.0, 4.9, 4.7}},     // hair light
 };
 
 static void unit(double azimuth, double elevation, double out[3])

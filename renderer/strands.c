@@ -259,9 +259,9 @@ void strands_widths(struct strands *s, const struct camera *c, float scale)
     for (int corner = 0; corner < 8; corner++) {
         float depth = 0;
         for (int k = 0; k < 3; k++)
-            depth += c->forward[k] *
-                     ((corner >> k & 1 ? s->box_max[k] : s->box_min[k]) -
-                      c->eye[k]);
+            depth +=
+                c->forward[k] *
+                ((corner >> k & 1 ? s->box_max[k] : s->box_min[k]) - c->eye[k]);
         nearest = fminf(nearest, depth);
         farthest = fmaxf(farthest, depth);
     }

@@ -20,10 +20,10 @@ struct strands { // zero-initialised is empty
     uint32_t points, strands;
     float diameter; // in use, file units (the largest where it varies)
     float diameter_min, diameter_max; // world
-    float plain_colour[4]; // rgb and opacity where there is no array
-    bool draw_thin, draw_wide; // set by strands_widths
+    float plain_colour[4];            // rgb and opacity where there is no array
+    bool draw_thin, draw_wide;        // set by strands_widths
     float thin_most; // largest share of samples that keep a thin strand
-    int up;         // axis taken as up
+    int up;          // axis taken as up
     float box_min[3], box_max[3]; // world, the head included
     bool has_head;
     float head_centre[3], head_radius[3]; // world

@@ -14,7 +14,8 @@ struct timer {
 
 void timer_init(struct timer *t);
 void timer_finish(struct timer *t);
-void timer_begin(struct timer *t, int slot, const char *name); // debug group too
+// A debug group too.
+void timer_begin(struct timer *t, int slot, const char *name);
 void timer_end(struct timer *t, int slot);
 // After the work is known to be done: adds what was measured since the last
 // call to ms[slot] (a negative ms[slot] counts as 0) and forgets it.

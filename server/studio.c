@@ -111,8 +111,7 @@ static bool due(const struct studio *s, const struct studio_wish *w,
     if (reached == 0)
         return false;
     return d->revision != s->live_revision || d->samples < reached ||
-           (s->done && !d->final) ||
-           (d->hasty && s->done && !in_haste(w, now));
+           (s->done && !d->final) || (d->hasty && s->done && !in_haste(w, now));
 }
 
 bool studio_wants(const struct studio *s, const struct studio_wish *w,

@@ -112,8 +112,8 @@ static bool refine(struct renderer *r, double *total_ms, struct error *err)
         renderer_stats(r, &s);
         for (int i = 0; i < RENDERER_STAGES; i++)
             if (s.stage_ms[i] >= 0)
-                total_ms[i] = (total_ms[i] > 0 ? total_ms[i] : 0) +
-                              s.stage_ms[i];
+                total_ms[i] =
+                    (total_ms[i] > 0 ? total_ms[i] : 0) + s.stage_ms[i];
     }
     return true;
 }

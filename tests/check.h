@@ -12,7 +12,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static char check_text_[160]; // the name is copied: it may be a caller's scratch
+// the name is copied: it may be a caller's scratch
+static char check_text_[160];
 static const char *check_name_;
 static int check_bad_, check_failed_, check_passed_, check_skipped_;
 
@@ -78,8 +79,8 @@ static inline bool check_near_(double got, double want, double tol,
 }
 #define CHECK_STR2_(x) #x
 #define CHECK_STR_(x) CHECK_STR2_(x)
-#define CHECK_NEAR(got, want, tol)                                             \
-    check_near_((double)(got), (double)(want), (tol), #got,                    \
+#define CHECK_NEAR(got, want, tol) \
+    check_near_((double)(got), (double)(want), (tol), #got, \
                 __FILE__ ":" CHECK_STR_(__LINE__))
 
 // Like CHECK_NEAR, but for a quantity that must not exceed a limit.
@@ -94,18 +95,18 @@ static inline bool check_atmost_(double got, double limit, const char *what,
     }
     return ok;
 }
-#define CHECK_ATMOST(got, limit)                                               \
-    check_atmost_((double)(got), (double)(limit), #got,                        \
+#define CHECK_ATMOST(got, limit) \
+    check_atmost_((double)(got), (double)(limit), #got, \
                   __FILE__ ":" CHECK_STR_(__LINE__))
 
-#define CHECK_STR(got, want)                                                   \
-    do {                                                                       \
-        const char *g_ = (got), *w_ = (want);                                  \
-        if (!g_ || strcmp(g_, w_) != 0) {                                      \
-            printf("  %s:%d: %s: got \"%s\", want \"%s\"\n", __FILE__,         \
-                   __LINE__, #got, g_ ? g_ : "(null)", w_);                    \
-            check_bad_++;                                                      \
-        }                                                                      \
+#define CHECK_STR(got, want) \
+    do { \
+        const char *g_ = (got), *w_ = (want); \
+        if (!g_ || strcmp(g_, w_) != 0) { \
+            printf("  %s:%d: %s: got \"%s\", want \"%s\"\n", __FILE__, \
+                   __LINE__, #got, g_ ? g_ : "(null)", w_); \
+            check_bad_++; \
+        } \
     } while (0)
 
 #endif

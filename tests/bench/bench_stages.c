@@ -123,8 +123,8 @@ static const struct edit {
     {"sigma_a, light_bound = 0.02", edit_few_lights},
 };
 
-static void measure(struct renderer *r, const char *groom,
-                    const struct edit *e, int runs)
+static void measure(struct renderer *r, const char *groom, const struct edit *e,
+                    int runs)
 {
     static double ms[COLUMNS][RUNS_MAX];
     struct params p;

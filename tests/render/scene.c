@@ -28,8 +28,10 @@ static void box(struct groom *g)
         g->box_min[c] = INFINITY;
         g->box_max[c] = -INFINITY;
         for (uint32_t i = 0; i < g->points; i++) {
-            g->box_min[c] = fminf(g->box_min[c], g->position[3 * i + (unsigned)c]);
-            g->box_max[c] = fmaxf(g->box_max[c], g->position[3 * i + (unsigned)c]);
+            g->box_min[c] =
+                fminf(g->box_min[c], g->position[3 * i + (unsigned)c]);
+            g->box_max[c] =
+                fmaxf(g->box_max[c], g->position[3 * i + (unsigned)c]);
         }
     }
 }

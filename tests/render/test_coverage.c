@@ -83,7 +83,8 @@ static void profile(void)
     renderer_destroy(r);
 }
 
-// Coverage of a fan shifted by `y` while a ball of radius 30 sits at the origin.
+// Coverage of a fan shifted by `y` while a ball of radius 30 sits at the
+// origin.
 static double with_head(float y)
 {
     struct params p;

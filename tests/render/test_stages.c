@@ -131,8 +131,8 @@ static void assets(void)
     struct params p;
     base(&p);
     struct error err = {0};
-    struct renderer *r = scene_renderer(scene_lock(9, 6),
-                                        scene_constant_sky(1), &p);
+    struct renderer *r =
+        scene_renderer(scene_lock(9, 6), scene_constant_sky(1), &p);
     struct both other = take(r), want = fresh(&p);
     check_case("another groom and sky = fresh");
     CHECK(!same(&other, &want));
@@ -228,8 +228,8 @@ static void small_store(void)
     check_case("memory for radiance does not change the picture");
     for (int i = 0; i < 2; i++) {
         p.quality.cache_mb = i ? 16 : 1024;
-        struct renderer *r = scene_renderer(groom_builtin("dark", &err),
-                                            scene_two_lamps(), &p);
+        struct renderer *r =
+            scene_renderer(groom_builtin("dark", &err), scene_two_lamps(), &p);
         b[i] = take(r);
         p.fibre.beta_r = 9; // restart after the store was emptied
         renderer_set_params(r, &p);
