@@ -128,7 +128,7 @@ uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
     float lambda = uintBitsToFloat(l.z);
     // The farther a ray decides, the nearer the mean of many to the truth, and
     // the noisier that of few.
-    float reach = shadow_inverse.w * (rays < 4u ? 1.0 : 1.5);
+    float reach = shadow_inverse.w * (rays < 8u ? 1.0 : 1.5);
     // Half of what one ray stands for (see fill_block of crossings.c): where it
     // goes is drawn already, and the head's rim shall not be blurred twice.
     float wide = max(lambda, 1e-4) * sqrt(0.785398163 / float(rays));
