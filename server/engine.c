@@ -28,7 +28,7 @@ struct engine {
     struct loader *loader;
     pthread_mutex_t lock;
     pthread_cond_t work;   // for the render thread
-    pthread_cond_t change; // start and end, for the loop thread
+    pthread_cond_t change; // start, end, for the loop; installed, the loader
     void (*wake)(void *ctx);
     void *ctx;
     struct engine_setup *setup; // during the start only
@@ -118,6 +118,10 @@ static void loaded(void *ctx, struct loader_item *item)
         at = &(*at)->next;
     *at = item;
     pthread_cond_signal(&e->work);
+    // Nothing more is loaded before this is installed: a long capture would
+    // else heap up as many grooms as there are clients.
+    while (e->loaded && !e->stop)
+        pthread_cond_wait(&e->change, &e->lock);
     pthread_mutex_unlock(&e->lock);
 }
 
@@ -277,6 +281,7 @@ static void do_install(struct engine *e)
 {
     struct loader_item *item = e->loaded;
     e->loaded = item->next;
+    pthread_cond_broadcast(&e->change);
     struct engine_event event = {.type = ENGINE_LOADED,
                                  .id = item->id,
                                  .which = item->which,
@@ -428,6 +433,7 @@ bool engine_stop(struct engine *e, int wait_ms)
     pthread_mutex_lock(&e->lock);
     e->stop = true;
     pthread_cond_broadcast(&e->work);
+    pthread_cond_broadcast(&e->change);
     while (e->started && !e->ended && wait_until(e, &e->change, until))
         continue;
     bool ended = !e->started || e->ended;
