@@ -186,15 +186,23 @@ void exact_dual_destroy(struct exact_dual *e)
     free(e);
 }
 
-// Parabolas through three neighbours.
+// Lagrange's polynomial through six neighbours: smooth enough for an adaptive
+// integration to see no seams.
 static double energy(const struct exact_dual *e, int whole, int t, double cos_d)
 {
+    static const double under[6] = {-120, 24, -12, 12, -24, 120};
     const double *v = e->energy[whole][t];
-    double at = fmin(fmax(cos_d, 0), 1) * COLUMNS;
-    int i = (int)fmin(fmax(round(at), 1), COLUMNS - 1);
-    double x = at - i;
-    return v[i] + x * (v[i + 1] - v[i - 1]) / 2 +
-           x * x * (v[i + 1] - 2 * v[i] + v[i - 1]) / 2;
+    double at = fmin(fmax(cos_d, 0), 1) * COLUMNS, left[6], right[6], sum = 0;
+    int i = (int)fmin(fmax(floor(at) - 2, 0), COLUMNS - 5);
+    double x = at - i, product = 1;
+    for (int k = 0; k < 6; k++, product *= x - (k - 1))
+        left[k] = product;
+    product = 1;
+    for (int k = 5; k >= 0; k--, product *= x - (k + 1))
+        right[k] = product;
+    for (int k = 0; k < 6; k++)
+        sum += v[i + k] * left[k] * right[k] / under[k];
+    return sum;
 }
 
 // --- means over a half space (eq 32) ----------------------------------------
@@ -287,31 +295,38 @@ void exact_dual_mean(const struct exact_dual *e, double theta,
 }
 
 // --- half circles (eq 28) ---------------------------------------------------
-// Integral of A cos gamma over 0 <= gamma <= end.
-static double up_to(const struct section *s, double end)
+// Integral of A cos gamma between two gammas.
+static double between(const struct section *s, double from, double to)
 {
+    enum { PANELS = GAMMAS / 4 };
     double sum = 0, w;
-    for (int panel = 0; panel < GAMMAS / 4; panel++)
+    for (int panel = 0; panel < PANELS && from < to; panel++)
         for (int i = 0; i < 8; i++) {
-            double g = node(4 * end * panel / GAMMAS,
-                            4 * end * (panel + 1) / GAMMAS, i, &w);
+            double g = node(from + (to - from) * panel / PANELS,
+                            from + (to - from) * (panel + 1) / PANELS, i, &w);
             sum += w * amount(s, g);
         }
     return sum;
 }
 
-// R, TT: all light that leaves within |phi| < x; |phi| is monotone in gamma.
-static double sector(const struct section *s, double x)
+// R, TT: the gamma whose light leaves at |phi| = x, which is monotone.
+static double gamma_at(const struct section *s, double x)
 {
     double lo = 0, hi = pi / 2;
-    x = fmin(fmax(x, 0), pi);
     if (s->mode == EXACT_R)
-        return up_to(s, x / 2);
+        return fmin(x, pi) / 2;
     for (int i = 0; i < 60; i++) {
         double g = (lo + hi) / 2;
         *(turn(s, g) > x ? &lo : &hi) = g;
     }
-    return up_to(s, pi / 2) - up_to(s, (lo + hi) / 2);
+    return (lo + hi) / 2;
+}
+
+// All light that leaves within from < |phi| < to.
+static double ring(const struct section *s, double from, double to)
+{
+    double a = gamma_at(s, from), b = gamma_at(s, to);
+    return between(s, fmin(a, b), fmax(a, b));
 }
 
 static double half_circle(const struct section *s, double phi)
@@ -319,10 +334,8 @@ static double half_circle(const struct section *s, double phi)
     double x = fabs(remainder(phi, 2 * pi)), sum = 0, w;
     if (s->mode != EXACT_TRT) {
         if (x < pi / 2)
-            return (sector(s, pi / 2 - x) + sector(s, pi / 2 + x)) / (2 * pi);
-        return (2 * sector(s, pi) - sector(s, x - pi / 2) -
-                sector(s, 1.5 * pi - x)) /
-               (2 * pi);
+            return (ring(s, 0, pi / 2 - x) + ring(s, 0, pi / 2 + x)) / (2 * pi);
+        return (ring(s, x - pi / 2, pi) + ring(s, 1.5 * pi - x, pi)) / (2 * pi);
     }
     int panels = (int)fmin(8 + 8 / s->e->c.w_c, 1000);
     for (int panel = 0; panel < panels; panel++)
@@ -397,15 +410,16 @@ static double local_at(void *self, double theta_i)
     return weight < 1e-30 ? 0 : weight * back_at(s, theta_i);
 }
 
-// Int_0^x exp(kappa (cos t - 1)) dt.
-static double arc(double kappa, double x)
+// Integral of exp(kappa (cos t - 1)) from a to b, -pi/2 <= a, b <= 3 pi/2.
+static double arc(double kappa, double a, double b)
 {
-    double sum = 0, w;
-    double reach = copysign(fmin(fabs(x), 9 * sqrt(2 / kappa)), x);
-    for (int panel = 0; panel < 16; panel++)
+    double reach = 9 * sqrt(2 / kappa), sum = 0, w;
+    a = fmax(a, -reach);
+    b = fmin(b, reach);
+    for (int panel = 0; panel < 32 && a < b; panel++)
         for (int i = 0; i < 8; i++) {
-            double t =
-                node(reach * panel / 16, reach * (panel + 1) / 16, i, &w);
+            double t = node(a + (b - a) * panel / 32,
+                            a + (b - a) * (panel + 1) / 32, i, &w);
             double h = sin(t / 2);
             sum += w * exp(-2 * kappa * h * h);
         }
@@ -424,8 +438,7 @@ static double direct_at(void *self, double theta_i)
         return 0;
     double phi = fabs(remainder(c->phi_o - c->phi_j, 2 * pi));
     double lit = s->mean ? pi * exact_i0e(kappa)
-                         : arc(fmax(kappa, 1e-9), pi / 2 + phi) +
-                               arc(fmax(kappa, 1e-9), pi / 2 - phi);
+                         : arc(fmax(kappa, 1e-9), phi - pi / 2, phi + pi / 2);
     return weight * lit * back_at(s, theta_i);
 }
 

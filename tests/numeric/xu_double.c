@@ -234,10 +234,43 @@ static double clip(double x, double lo, double hi)
     return fmin(fmax(x, lo), hi);
 }
 
+double xu_double_linear(const double mu_l[2], int m, bool fine,
+                        xu_double_function *function, const void *self)
+{
+    double half = pi / 2, mu = mu_l[0], l = mu_l[1];
+    double a = mu - (m - 2) * l / 2, b = mu + (m - 2) * l / 2;
+    if (fine) {
+        double w = fmin(4, sqrt((m - 2) / 2.0));
+        a = clip(mu - w * l, -half, fmax(-half, half - 2 * l));
+        b = clip(mu + w * l, fmin(half, -half + 2 * l), half);
+    }
+    double x[2] = {-half, -half}, f[2] = {0, 0}, sum = 0;
+    for (int s = 0; s < m; s++) {
+        x[1] = m == 2 ? mu : a + (b - a) * s / (m - 2);
+        x[1] = s == m - 1 ? half : clip(x[1], -half, half);
+        f[1] = s == m - 1 ? 0 : function(self, x[1]);
+        sum += segment(mu, l, x, f);
+        x[0] = x[1];
+        f[0] = f[1];
+    }
+    return sum;
+}
+
+struct of_mode {
+    const struct exact_case *c;
+    int mode;
+};
+
+static double of_mode(const void *self, double theta_i)
+{
+    const struct of_mode *o = self;
+    return integrand(o->c, o->mode, theta_i);
+}
+
 void xu_double_modes(const struct exact_case *c, int m, bool fine,
                      double out[EXACT_MODES])
 {
-    double half = pi / 2, lj = c->lambda_j;
+    double lj = c->lambda_j;
     for (int t = 0; t < EXACT_MODES; t++) {
         double l1 = 2 * sqrt(2) * c->beta[t],
                mu1 = 2 * c->alpha[t] - c->theta_o;
@@ -245,21 +278,36 @@ void xu_double_modes(const struct exact_case *c, int m, bool fine,
         double mu = (mu1 * lj * lj + c->theta_j * l1 * l1) / sum2;
         double apart = mu1 - c->theta_j;
         double scale = exp(-apart * apart / sum2) / (sqrt(pi) * l1);
-        double a = mu - (m - 2) * l / 2, b = mu + (m - 2) * l / 2;
-        if (fine) {
-            double w = fmin(4, sqrt((m - 2) / 2.0));
-            a = clip(mu - w * l, -half, fmax(-half, half - 2 * l));
-            b = clip(mu + w * l, fmin(half, -half + 2 * l), half);
+        const struct of_mode o = {c, t};
+        out[t] =
+            scale * xu_double_linear((double[2]){mu, l}, m, fine, of_mode, &o);
+    }
+}
+
+void xu_double_azimuth(const struct exact_case *c, int mode,
+                       const double cos_d_eta_trt[2], double *phi, int count)
+{
+    double eta = mode == EXACT_TRT ? cos_d_eta_trt[1] : c->eta;
+    struct azimuth z = azimuth_at(eta, c->sigma_a, acos(cos_d_eta_trt[0]));
+    struct lobes n = {0};
+    if (mode == EXACT_TT) {
+        set_tt(&z, &n);
+        n.count = 1;
+        n.b[0] = n.b_tt;
+        n.mu[0] = pi;
+        n.l[0] = n.l_tt;
+    } else if (mode == EXACT_TRT) {
+        set_trt(&z, c, &n);
+    }
+    for (int k = 0; k < count; k++) {
+        double sum = mode == EXACT_R ? fabs(cos(phi[k] / 2)) / 4 *
+                                           fresnel(&z, sin(phi[k] / 2))
+                                     : 0;
+        for (int i = 0; i < n.count; i++) {
+            double x = remainder(phi[k] - n.mu[i], 2 * pi) / n.l[i];
+            if (n.b[i] > 0)
+                sum += n.b[i] * exp(-x * x);
         }
-        double x[2] = {-half, -half}, f[2] = {0, 0}, sum = 0;
-        for (int s = 0; s < m; s++) {
-            x[1] = m == 2 ? mu : a + (b - a) * s / (m - 2);
-            x[1] = s == m - 1 ? half : clip(x[1], -half, half);
-            f[1] = s == m - 1 ? 0 : integrand(c, t, x[1]);
-            sum += segment(mu, l, x, f);
-            x[0] = x[1];
-            f[0] = f[1];
-        }
-        out[t] = scale * sum;
+        phi[k] = sum;
     }
 }

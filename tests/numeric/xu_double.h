@@ -13,4 +13,16 @@
 void xu_double_modes(const struct exact_case *c, int m, bool fine,
                      double out[EXACT_MODES]);
 
+// N_t as the paper has it: eq 13 for R, the lobes of eq 16 and 20 as plain
+// Gaussians of the distance round the circle for TT and TRT, which has its own
+// index.  phi[count] gives way to the values.
+void xu_double_azimuth(const struct exact_case *c, int mode,
+                       const double cos_d_eta_trt[2], double *phi, int count);
+
+// Integral of exp(-(x - mu)^2/l^2) times f, which is taken as linear between
+// the nodes of section 4.2.2 and zero at +-pi/2.
+typedef double xu_double_function(const void *self, double x);
+double xu_double_linear(const double mu_l[2], int m, bool fine,
+                        xu_double_function *f, const void *self);
+
 #endif
