@@ -178,7 +178,7 @@ static unsigned program_of(struct shading *s, const char *defines,
         if (v->age < oldest->age)
             oldest = v;
     }
-    unsigned program = program_compute("shade.comp", defines, err);
+    unsigned program = program_compute("shade_cells.comp", defines, err);
     if (!program)
         return 0;
     gl.DeleteProgram(oldest->program);

@@ -1,24 +1,38 @@
-// place.glsl - where on the hair a cell is: its key undone.
+// place.glsl - where on the hair something is; a cell's: its key undone.
 #include "special.glsl"
 
 struct Place {
     uint key, segment;
-    float along; // 0..1 on the segment, the cell's middle
+    float along; // 0..1 on the segment
     vec3 p;      // world
     vec3 u;      // unit tangent, root to tip
 };
 
-Place place_of(uint slot)
+Place place_at(uint segment, float along)
 {
     Place c;
-    c.key = keys[slot] - 1u;
-    c.segment = c.key >> CELL_BITS;
-    float cell = float(c.key & (CELLS_MAX - 1u)) + 0.5;
-    c.along = cell / float(cell_count(c.segment));
-    vec3 a = points[c.segment].xyz, b = points[c.segment + 1u].xyz;
-    c.p = mix(a, b, c.along);
-    vec3 sum = mix(tangent_at(c.segment), tangent_at(c.segment + 1u), c.along);
+    c.key = 0u;
+    c.segment = segment;
+    c.along = along;
+    vec3 a = points[segment].xyz, b = points[segment + 1u].xyz;
+    c.p = mix(a, b, along);
+    vec3 sum = mix(tangent_at(segment), tangent_at(segment + 1u), along);
     float n = dot(sum, sum);
-    c.u = n > 1e-12 ? sum * inversesqrt(n) : tangent_at(c.segment);
+    c.u = n > 1e-12 ? sum * inversesqrt(n) : tangent_at(segment);
     return c;
+}
+
+// The middle of a cell.
+Place place_of_key(uint key)
+{
+    uint segment = key >> CELL_BITS;
+    float cell = float(key & (CELLS_MAX - 1u)) + 0.5;
+    Place c = place_at(segment, cell / float(cell_count(segment)));
+    c.key = key;
+    return c;
+}
+
+Place place_of(uint slot)
+{
+    return place_of_key(keys[slot] - 1u);
 }

@@ -1,5 +1,4 @@
-#version 450 core
-// Radiance of the cells that this sample sees for the first time: all lights
+// shade.glsl - radiance of a place of the hair from a range of lights: lights
 // in the inner loop.  The fibre's diameter cancels (a strand drawn as a ribbon
 // of its own width has radiance = curve intensity / diameter).
 //
@@ -21,8 +20,6 @@
 #ifdef WITH_MULTIPLE
 #include "dual.glsl"
 #endif
-layout(local_size_x = 64) in;
-layout(location = 0) uniform uint kept;
 
 #ifdef WITH_COLOUR
 layout(std430, binding = 2) readonly buffer Colour { vec4 colour_of[]; };
@@ -136,7 +133,7 @@ vec3 scattered(Fibre fibre, DualView view, Srbf light, float phi_o, vec4 g,
 }
 #endif
 
-vec3 shade(Place c, uint at)
+vec3 shade(Place c, uint at, uint first, uint end)
 {
     vec3 to_eye = normalize(eye.xyz - c.p), v = across_of(c, to_eye);
     vec3 w = cross(c.u, v);
@@ -147,7 +144,7 @@ vec3 shade(Place c, uint at)
     DualView view = dual_view(theta_o);
 #endif
     vec3 sum = vec3(0.0);
-    for (uint j = 0u; j < light_count; j++) {
+    for (uint j = first; j < end; j++) {
         vec4 place = lights[j].place;
         Srbf light =
             Srbf(special_asin(clamp(dot(place.xyz, c.u), -1.0, 1.0)),
@@ -166,27 +163,22 @@ vec3 shade(Place c, uint at)
     return sum * colour_at(c.segment, c.along);
 }
 
-void main()
+// What is shown of a place: light from lights [first, end), or a view of what
+// it is made from (of all lights, whatever the range).  at: where its
+// transmittances are kept.
+vec3 shade_seen(Place c, uint at, uint first, uint end)
 {
-    uint row = gl_NumWorkGroups.x * 64u;
-    // within this sample's part
-    uint at = gl_GlobalInvocationID.x + gl_WorkGroupID.y * row;
-    if (dispatch.w + at >= list_end[kept])
-        return;
-    uint slot = list[dispatch.w + at];
-    Place c = place_of(slot);
 #if defined(VIEW_FIELD)
-    vec3 seen = field(c, at);
+    return field(c, at);
 #elif defined(VIEW_TANGENT)
-    vec3 seen = 0.5 + 0.5 * c.u;
+    return 0.5 + 0.5 * c.u;
 #elif defined(VIEW_COVERAGE)
-    vec3 seen = vec3(1.0);
+    return vec3(1.0);
 #elif defined(VIEW_STRAND)
     uint h = strand_of[c.segment] * 0x9e3779b9u;
     h = (h ^ (h >> 15)) * 0x85ebca6bu;
-    vec3 seen = vec3(uvec3(h, h >> 8, h >> 16) & 255u) / 255.0;
+    return vec3(uvec3(h, h >> 8, h >> 16) & 255u) / 255.0;
 #else
-    vec3 seen = shade(c, at);
+    return shade(c, at, first, end);
 #endif
-    radiance[slot] = vec4(seen, 1.0);
 }

@@ -1,0 +1,17 @@
+#version 450 core
+// Radiance of the cells that this sample sees for the first time.
+#include "shade.glsl"
+layout(local_size_x = 64) in;
+layout(location = 0) uniform uint kept;
+
+void main()
+{
+    uint row = gl_NumWorkGroups.x * 64u;
+    // within this sample's part
+    uint at = gl_GlobalInvocationID.x + gl_WorkGroupID.y * row;
+    if (dispatch.w + at >= list_end[kept])
+        return;
+    uint slot = list[dispatch.w + at];
+    vec3 seen = shade_seen(place_of(slot), at, 0u, light_count);
+    radiance[slot] = vec4(seen, 1.0);
+}
