@@ -29,6 +29,8 @@ bool crossings_probe(const struct crossings_probe_run *run,
                  run->strands->opacity ? " WITH_OPACITY" : "");
     if (run->given_nodes)
         snprintf(defines, sizeof defines, "GIVEN_NODES");
+    if (run->note_guards)
+        strcat(defines, " GUARDS");
     const GLuint program =
         program_compute("crossings_probe.comp", defines, err);
     if (!program)

@@ -15,7 +15,8 @@ struct crossings_place { // std430
 
 struct crossings_result {           // std430
     uint32_t nodes[2];              // as shadow_nodes packs them
-    float clear, pad;               // T~
+    float clear;                    // T~
+    uint32_t guards;                // word 2 of those of probe.h, if asked for
     float forward[4], crossings[4]; // for each attenuation
 };
 
@@ -23,6 +24,7 @@ struct crossings_probe_run {
     struct crossings *crossings;   // with directions for the lights
     const struct strands *strands; // needed for rays
     int rays;         // a light (crossings_build_lists); 0: the voxels alone
+    bool note_guards; // see shaders/guard.glsl
     bool given_nodes; // places hold packed nodes in the bits of p[0] and p[1]
     float attenuation[4];
 };

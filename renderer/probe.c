@@ -12,14 +12,16 @@
 #include "renderer/program.h"
 #include "renderer/xu_tables.h"
 
-enum { CIRCULAR, ECCENTRIC, KINDS, COLUMN_A = 9, GROUP = 64 };
+enum { CIRCULAR, ECCENTRIC, NOTING, KINDS = 4, COLUMN_A = 9, GROUP = 64 };
 // Uniform locations in probe.comp.
 enum { AT_COUNT = 0, AT_DELTA_ETA = 1 };
 
 struct probe {
     struct probe_setup setup;
-    unsigned program[KINDS]; // 0 until first needed
+    unsigned program[KINDS]; // 0 until first needed; NOTING + kind: guards
     unsigned cases, results; // buffers of a batch
+    unsigned hits;           // 0 until first needed
+    uint32_t *note;          // where hits go, or NULL
     struct xu_tables *tables;
 };
 
@@ -52,8 +54,21 @@ void probe_destroy(struct probe *p)
             gl.DeleteProgram(p->program[kind]);
     gl.DeleteBuffers(1, &p->cases);
     gl.DeleteBuffers(1, &p->results);
+    gl.DeleteBuffers(1, &p->hits);
     xu_tables_destroy(p->tables);
     free(p);
+}
+
+void probe_note_guards(struct probe *p, uint32_t *hits)
+{
+    p->note = hits;
+    if (p->hits || !hits)
+        return;
+    gl.CreateBuffers(1, &p->hits);
+    gl.NamedBufferStorage(p->hits,
+                          PROBE_BATCH * PROBE_GUARD_WORDS * sizeof *hits, NULL,
+                          GL_DYNAMIC_STORAGE_BIT);
+    gl.ObjectLabel(GL_BUFFER, p->hits, -1, "probe guards");
 }
 
 static bool dispatch(struct probe *p, int kind, unsigned count,
@@ -61,10 +76,11 @@ static bool dispatch(struct probe *p, int kind, unsigned count,
 {
     if (!p->program[kind]) {
         char defines[96];
-        snprintf(defines, sizeof defines, "XU_M=%d%s%s%s", p->setup.m,
+        snprintf(defines, sizeof defines, "XU_M=%d%s%s%s%s", p->setup.m,
                  p->setup.fine_nodes ? " XU_FINE_NODES" : "",
-                 kind == ECCENTRIC ? " XU_ECCENTRIC" : "",
-                 p->setup.opaque ? " XU_NO_TT_TRT" : "");
+                 kind % NOTING == ECCENTRIC ? " XU_ECCENTRIC" : "",
+                 p->setup.opaque ? " XU_NO_TT_TRT" : "",
+                 kind >= NOTING ? " GUARDS" : "");
         p->program[kind] = program_compute("probe.comp", defines, err);
         if (!p->program[kind])
             return false;
@@ -82,7 +98,7 @@ bool probe_run(struct probe *p, const float *cases, size_t count,
 {
     while (count > 0) {
         size_t n = count < PROBE_BATCH ? count : PROBE_BATCH;
-        bool need[KINDS] = {false};
+        bool need[NOTING] = {false};
         for (size_t i = 0; i < n; i++)
             need[cases[PROBE_INPUTS * i + COLUMN_A] != 1.0f] = true;
         gl.NamedBufferSubData(
@@ -90,17 +106,26 @@ bool probe_run(struct probe *p, const float *cases, size_t count,
         xu_tables_bind(p->tables);
         gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, p->cases);
         gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, p->results);
-        for (int kind = 0; kind < KINDS; kind++)
-            if (need[kind] && !dispatch(p, kind, (unsigned)n, err))
+        if (p->note)
+            gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, p->hits);
+        for (int kind = 0; kind < NOTING; kind++)
+            if (need[kind] &&
+                !dispatch(p, kind + (p->note ? NOTING : 0), (unsigned)n, err))
                 return false;
         gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
         gl.GetNamedBufferSubData(
             p->results, 0, (GLsizeiptr)(n * PROBE_OUTPUTS * sizeof *results),
             results);
+        const size_t row = PROBE_GUARD_WORDS * sizeof *p->note;
+        if (p->note)
+            gl.GetNamedBufferSubData(p->hits, 0, (GLsizeiptr)(n * row),
+                                     p->note);
         if (!gl_check("running the probe", err))
             return false;
         cases += n * PROBE_INPUTS;
         results += n * PROBE_OUTPUTS;
+        if (p->note)
+            p->note += n * PROBE_GUARD_WORDS;
         count -= n;
     }
     return true;

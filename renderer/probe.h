@@ -6,12 +6,14 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "protocol/error.h"
 
 enum {
-    PROBE_INPUTS = 15, // in the order of struct exact_case (exact.h)
-    PROBE_OUTPUTS = 3, // M_R M_TT M_TRT
+    PROBE_INPUTS = 15,     // in the order of struct exact_case (exact.h)
+    PROBE_OUTPUTS = 3,     // M_R M_TT M_TRT
+    PROBE_GUARD_WORDS = 3, // of bits, guard N bit N % 32 of word N / 32
     PROBE_BATCH = 16384
 };
 
@@ -32,5 +34,10 @@ void probe_destroy(struct probe *p); // NULL is allowed
 // count, done in batches.  Values must be legal; nothing is checked here.
 bool probe_run(struct probe *p, const float *cases, size_t count,
                float *results, struct error *err);
+
+// The runs that follow note which guards (shaders/guard.glsl) each case hits:
+// PROBE_GUARD_WORDS a case into the caller's array, one run's after the
+// other's; NULL: none are noted.
+void probe_note_guards(struct probe *p, uint32_t *hits);
 
 #endif

@@ -10,16 +10,18 @@
 #include "renderer/program.h"
 #include "renderer/xu_tables.h"
 
-enum { MULTIPLE, HALF, KINDS, GROUP = 64, BATCH = 8192 };
+enum { MULTIPLE, HALF, KINDS, NOTING = KINDS, GROUP = 64, BATCH = 8192 };
 enum { AT_COUNT = 0, AT_FIBRE = 1, FIBRE_VALUES = 13 };
 
 struct probe_dual {
     struct probe_setup setup;
     enum dual_scheme scheme;
     struct dual_fibre fibre;
-    unsigned program[KINDS]; // 0 until first needed
-    unsigned cases, results; // buffers of a batch
-    struct xu_tables *xu;    // scheme `paper` reads them
+    unsigned program[2 * KINDS]; // 0 until first needed; NOTING + kind: guards
+    unsigned cases, results;     // buffers of a batch
+    unsigned hits;               // 0 until first needed
+    uint32_t *note;              // where hits go, or NULL
+    struct xu_tables *xu;        // scheme `paper` reads them
     struct dual_tables *dual;
 };
 
@@ -55,11 +57,12 @@ void probe_dual_destroy(struct probe_dual *p)
 {
     if (!p)
         return;
-    for (int kind = 0; kind < KINDS; kind++)
+    for (int kind = 0; kind < 2 * KINDS; kind++)
         if (p->program[kind])
             gl.DeleteProgram(p->program[kind]);
     gl.DeleteBuffers(1, &p->cases);
     gl.DeleteBuffers(1, &p->results);
+    gl.DeleteBuffers(1, &p->hits);
     xu_tables_destroy(p->xu);
     dual_tables_destroy(p->dual);
     free(p);
@@ -76,16 +79,37 @@ const struct dual_tables *probe_dual_tables(const struct probe_dual *p)
     return p->dual;
 }
 
+void probe_dual_note_guards(struct probe_dual *p, uint32_t *hits)
+{
+    p->note = hits;
+    if (p->hits || !hits)
+        return;
+    gl.CreateBuffers(1, &p->hits);
+    gl.NamedBufferStorage(p->hits, BATCH * PROBE_GUARD_WORDS * sizeof *hits,
+                          NULL, GL_DYNAMIC_STORAGE_BIT);
+    gl.ObjectLabel(GL_BUFFER, p->hits, -1, "probe guards");
+}
+
+// Hits of a batch of n cases that has run.
+static void take_hits(struct probe_dual *p, size_t n)
+{
+    size_t words = n * PROBE_GUARD_WORDS;
+    gl.GetNamedBufferSubData(p->hits, 0, (GLsizeiptr)(words * sizeof *p->note),
+                             p->note);
+    p->note += words;
+}
+
 static bool make_program(struct probe_dual *p, int kind, struct error *err)
 {
     char defines[128];
     if (p->program[kind])
         return true;
-    snprintf(defines, sizeof defines, "XU_M=%d%s%s%s%s", p->setup.m,
+    snprintf(defines, sizeof defines, "XU_M=%d%s%s%s%s%s", p->setup.m,
              p->setup.fine_nodes ? " XU_FINE_NODES" : "",
              p->scheme == DUAL_SCHEME_PAPER ? " DUAL_PAPER" : "",
              p->setup.opaque ? " XU_NO_TT_TRT" : "",
-             kind == HALF ? " PROBE_HALF" : "");
+             kind % NOTING == HALF ? " PROBE_HALF" : "",
+             kind >= NOTING ? " GUARDS" : "");
     p->program[kind] = program_compute("probe_dual.comp", defines, err);
     return p->program[kind] != 0;
 }
@@ -105,9 +129,12 @@ static bool run(struct probe_dual *p, int kind, const float *cases,
                 size_t count, float *results, struct error *err)
 {
     size_t in = sizes[kind].in, out = sizes[kind].out;
+    kind += p->note ? NOTING : 0;
     if (!make_program(p, kind, err))
         return false;
     set_fibre(p, p->program[kind]);
+    if (p->note)
+        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, p->hits);
     xu_tables_bind(p->xu);
     dual_tables_bind(p->dual);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, p->cases);
@@ -122,6 +149,8 @@ static bool run(struct probe_dual *p, int kind, const float *cases,
         gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
         gl.GetNamedBufferSubData(
             p->results, 0, (GLsizeiptr)(n * out * sizeof *results), results);
+        if (p->note)
+            take_hits(p, n);
         cases += n * in;
         results += n * out;
         count -= n;

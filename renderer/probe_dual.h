@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "protocol/error.h"
 #include "renderer/dual_tables.h"
@@ -39,5 +40,8 @@ bool probe_dual_multiple(struct probe_dual *p, const float *cases, size_t count,
                          float *results, struct error *err);
 bool probe_dual_half(struct probe_dual *p, const float *cases, size_t count,
                      float *results, struct error *err);
+
+// As probe_note_guards of probe.h.
+void probe_dual_note_guards(struct probe_dual *p, uint32_t *hits);
 
 #endif

@@ -7,7 +7,7 @@ layout(location = 0) uniform uvec2 count; // points, lights
 layout(location = 1) uniform vec4 attenuation;
 layout(location = 2) uniform uint rays;
 struct Place { vec3 p; uint segment; vec3 u; uint key; };
-struct Result { uvec2 nodes; float clear, pad; vec4 forward, crossings; };
+struct Result { uvec2 nodes; float clear; uint guards; vec4 forward, crossings; };
 layout(std430, binding = 2) readonly buffer Places { Place places[]; };
 layout(std430, binding = 3) writeonly buffer Results { Result results[]; };
 
@@ -31,10 +31,13 @@ void main()
     vec4 g = shadow_unpack(r.nodes);
     ShadowLaw law = shadow_law(g);
     r.clear = shadow_clear(g);
-    r.pad = 0.0;
+    r.guards = 0u;
     r.forward = vec4(shadow_forward(law, attenuation.xyz),
                      shadow_forward(law, attenuation.www).x);
     r.crossings = vec4(shadow_crossings(law, attenuation.xyz),
                        shadow_crossings(law, attenuation.www).x);
+#ifdef GUARDS
+    r.guards = guard_bits[2];
+#endif
     results[i * count.y + j] = r;
 }

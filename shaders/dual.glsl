@@ -173,6 +173,8 @@ DualPlace dual_place(float theta_i, float theta_o)
 {
     DualPlace p;
     p.cos_i = special_cos(theta_i);
+    GUARD_LIVE(p.cos_i > 0.0);
+    GUARD(GUARD_DUAL_COS_D, special_cos(0.5 * (theta_o - theta_i)) < 1e-4);
     p.cos_d = max(special_cos(0.5 * (theta_o - theta_i)), 1e-4);
     p.x = dual_index.y * p.cos_d *
               inversesqrt(dual_index.x + p.cos_d * p.cos_d) -
@@ -186,6 +188,7 @@ float dual_at_r(DualSeries s, DualPlace p)
     float x = p.x, n = s.n6.w + x * s.n7.w;
     n = s.n3.w + x * (s.n4.w + x * (s.n5.w + x * n));
     n = s.n0.w + x * (s.n1.w + x * (s.n2.w + x * n));
+    GUARD(GUARD_DUAL_R, n < 0.0);
     return max(n, 0.0) * p.cos_i / (p.cos_d * p.cos_d);
 }
 
@@ -195,6 +198,7 @@ vec3 dual_at_tt(DualSeries s, DualPlace p)
     vec3 n = s.n6.xyz + x * s.n7.xyz;
     n = s.n3.xyz + x * (s.n4.xyz + x * (s.n5.xyz + x * n));
     n = s.n0.xyz + x * (s.n1.xyz + x * (s.n2.xyz + x * n));
+    GUARD(GUARD_DUAL_TT, lessThan(n, vec3(0.0)));
     return max(n, 0.0) * p.cos_i;
 }
 
@@ -205,6 +209,7 @@ vec3 dual_at_trt(DualSeries s, DualPlace p)
     n = s.f3 + x * (s.f4 + x * (s.f5 + x * n));
     n = s.f0 + x * (s.f1 + x * (s.f2 + x * n));
     float schlick = dual_index.z + (1.0 - dual_index.z) * xu_fifth(u);
+    GUARD(GUARD_DUAL_TRT, lessThan(n, vec3(0.0)));
     return max(n, 0.0) * (p.cos_i * schlick);
 }
 
@@ -243,6 +248,9 @@ DualRule dual_rule(float centre, float width, float theta_j, vec3 sigma2)
     vec3 root = inversesqrt(w2 + sigma2), own = root * root;
     r.mass = 0.564189584 * root * exp(-apart * apart * own);
     vec3 change = sigma2 * own - share;
+    GUARD_LIVE(true);
+    GUARD(GUARD_DUAL_TILT, greaterThan(abs(2.0 * apart * per * change), vec3(1.0)));
+    GUARD(GUARD_DUAL_WIDEN, greaterThan(change / share, vec3(1.0)));
     r.tilt = clamp(2.0 * apart * per * change, -1.0, 1.0);
     r.widen = min(change / share, 1.0) + 0.5 * r.tilt * r.tilt;
     return r;
@@ -251,6 +259,8 @@ DualRule dual_rule(float centre, float width, float theta_j, vec3 sigma2)
 // Mass and corrections of a channel with node sums of f, t f, (t^2 - 1/2) f.
 vec3 dual_finish(DualRule r, vec3 f0, vec3 f1, vec3 f2)
 {
+    GUARD(GUARD_DUAL_FINISH,
+          lessThan(f0 + r.tilt * f1 + r.widen * f2, vec3(0.0)));
     return r.mass * max(f0 + r.tilt * f1 + r.widen * f2, 0.0);
 }
 
@@ -311,6 +321,8 @@ vec3 dual_back(DualView v, float theta_j, vec3 spread2)
     vec3 z = 1.41421356 * away * sqrt(both), r3 = r2 * sqrt(r2);
     vec3 shape = 1.0 + v.skew * r3 * z * (z2 - 3.0) +
                  v.peak * r2 * r2 * ((z2 - 6.0) * z2 + 3.0);
+    GUARD_LIVE(true);
+    GUARD(GUARD_DUAL_BACK, lessThan(shape, vec3(0.0)));
     return max(v.mass * shape, 0.0) * (0.564189584 * sqrt(both) * exp(-0.5 * z2));
 }
 
@@ -322,9 +334,13 @@ vec3 dual_back_direct(DualView v, Srbf l, float cos_phi)
     float l2 = l.lambda * l.lambda, w2 = dot(v.width2, vec3(1.0 / 3.0));
     float share = l2 / (l2 + w2);
     float mu = dot(v.centre, vec3(1.0 / 3.0)) - l.theta;
+    GUARD(GUARD_DUAL_CENTRE, abs(l.theta + mu * share) > XU_HALF_PI);
     mu = clamp(l.theta + mu * share, -XU_HALF_PI, XU_HALF_PI);
     vec3 x = mu - l.theta + sqrt(w2 * share) * offset, x2 = x * x;
     // x^2 - 4 sin^2(x/2)
+    GUARD(GUARD_DUAL_MORE,
+          greaterThan(x2 * x2 * (1.0 / 12.0 - x2 * (1.0 / 360.0)) / l2,
+                      vec3(60.0)));
     vec3 more = exp(min(x2 * x2 * (1.0 / 12.0 - x2 * (1.0 / 360.0)) / l2, 60.0));
     float cos_i = special_cos(mu), kappa = 2.0 * cos_i * special_cos(l.theta) / l2;
     vec3 fall = vec3(special_cos(l.theta + x.x), cos_i, special_cos(l.theta + x.z));

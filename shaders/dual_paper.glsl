@@ -29,6 +29,7 @@ vec3 dual_half_gauss(vec3 width, vec3 d)
     vec3 a = dual_erf(near * inverse), b = dual_erf(far * inverse);
     // Beyond a quarter turn the two ends meet at the back of the circle.
     vec3 sum = mix(a + b, 2.0 * dual_erf(XU_PI * inverse) - a - b, beyond);
+    GUARD(GUARD_DUAL_HALF, lessThan(sum, vec3(0.0)));
     return 0.282094792 * width * max(sum, 0.0);
 }
 
@@ -77,6 +78,7 @@ float dual_n_r(Fibre f, DualPhi phi, XuPlace p)
     float sum = 5.0 * phi.odd.z - c * phi.even.z;
     sum = 10.0 * phi.odd.y + c * (-10.0 * phi.even.y + c * sum);
     sum = phi.odd.x + (1.0 - f0 * f0) * c * (-5.0 * phi.even.x + c * sum);
+    GUARD(GUARD_DUAL_R, sum < 0.0);
     return 0.25 * max(sum, 0.0);
 }
 
@@ -189,6 +191,8 @@ vec3 dual_mass(vec3 apart, vec3 both2)
 // Eq 29 without its azimuth and 1/cos theta_j, spread: Xu width of the light.
 vec3 dual_back(float theta_o, float theta_j, vec3 spread)
 {
+    GUARD_LIVE(true);
+    GUARD(GUARD_DUAL_RANGE, lessThan(spread, vec3(0.04)));
     vec3 mid = vec3(0.5 * (theta_j - theta_o)), half_range = max(0.5 * spread, 0.02);
     vec3 lo = clamp(mid - half_range, -XU_HALF_PI, XU_HALF_PI - 0.02);
     vec3 hi = clamp(mid + half_range, lo + 0.02, vec3(XU_HALF_PI));
@@ -200,6 +204,7 @@ vec3 dual_back(float theta_o, float theta_j, vec3 spread)
     sigma.y = dual_layer(hi.y, 4).y - dual_layer(lo.y, 4).y;
     sigma.z = dual_layer(hi.z, 4).z - dual_layer(lo.z, 4).z;
     delta *= range;
+    GUARD(GUARD_DUAL_SIGMA, lessThan(sigma * range, vec3(1e-4)));
     sigma = max(sigma * range, 1e-4);
     vec3 w2 = 2.0 * sigma * sigma, s2 = spread * spread;
     vec3 apart = delta - theta_o - theta_j, both2 = w2 + s2;
@@ -219,6 +224,8 @@ void dual_modes(Fibre f, DualView v, Srbf l, float phi_o, vec3 sigma_f,
     vec3 apart = 2.0 * f.alpha - v.theta_o - l.theta;
     float mean = sqrt(dot(sigma2, vec3(1.0 / 3.0)));
     float phi = phi_o - l.phi;
+    GUARD_LIVE(true);
+    GUARD(GUARD_DUAL_GRAZING, special_cos(l.theta) < 1e-3);
     float over = 1.0 / max(special_cos(l.theta), 1e-3);
     XuLong g = xu_long(f, Srbf(l.theta, l.phi, mean), v.theta_o);
     DualSum sum = dual_sum(f, dual_phi(phi), g, v.theta_o);

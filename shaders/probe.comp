@@ -8,6 +8,9 @@ layout(location = 0) uniform uint count;
 layout(location = 1) uniform float delta_eta;
 layout(std430, binding = 0) readonly buffer Cases { float cases[]; };
 layout(std430, binding = 1) writeonly buffer Results { float results[]; };
+#ifdef GUARDS
+layout(std430, binding = 2) writeonly buffer Hits { uint hits[]; };
+#endif
 
 void main()
 {
@@ -35,4 +38,8 @@ void main()
     results[3u * i] = r.x;
     results[3u * i + 1u] = tt.x;
     results[3u * i + 2u] = trt.x;
+#ifdef GUARDS
+    for (uint k = 0u; k < uint(GUARD_WORDS); k++)
+        hits[uint(GUARD_WORDS) * i + k] = guard_bits[k];
+#endif
 }

@@ -12,6 +12,9 @@ layout(location = 0) uniform uint count;
 layout(location = 1) uniform float fibre[13];
 layout(std430, binding = 0) readonly buffer Cases { float cases[]; };
 layout(std430, binding = 1) writeonly buffer Results { float results[]; };
+#ifdef GUARDS
+layout(std430, binding = 2) writeonly buffer Hits { uint hits[]; };
+#endif
 
 void store(uint at, vec3 v)
 {
@@ -43,5 +46,9 @@ void main()
     store(15u * i + 6u, g);
     store(15u * i + 9u, ml);
     store(15u * i + 12u, mld);
+#endif
+#ifdef GUARDS
+    for (uint k = 0u; k < uint(GUARD_WORDS); k++)
+        hits[uint(GUARD_WORDS) * i + k] = guard_bits[k];
 #endif
 }

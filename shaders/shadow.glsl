@@ -14,6 +14,7 @@
 //   shadow_law           from nodes to G at any s, and from it
 //   shadow_clear, shadow_forward, shadow_crossings
 // C side: renderer/crossings.h.
+#include "guard.glsl"
 #include "shadow_fall.glsl"
 
 const uint SHADOW_LIGHTS = 200u, SHADOW_WAYS = 1024u;
@@ -175,6 +176,9 @@ ShadowLaw shadow_law(vec4 g)
     const float least = 7e-6; // half of what a node can hold
     vec3 log_g = log(max(g.xyz, vec3(least)));
     vec3 fall = log(max(g.w, least)) - log_g;
+    GUARD_LIVE(g.w > 0.0);
+    GUARD(GUARD_SHADOW_LEAST, lessThan(g, vec4(least)));
+    GUARD(GUARD_SHADOW_FALL, lessThan(fall, vec3(1e-6)));
     vec3 R = vec3(1.0, 0.3, 0.05) / max(fall, vec3(1e-6));
     ShadowLaw l;
     l.r = R.x * (1.0 / 0.665) * vec3(0.015, -0.35, 1.0) -
@@ -204,6 +208,10 @@ vec3 shadow_forward(ShadowLaw l, vec3 a)
 {
     vec3 s = clamp(1.0 - a, 0.0, 1.0);
     vec3 R = clamp(l.r.x + s * (l.r.y + s * l.r.z), l.bounds.x, l.bounds.y);
+    GUARD_LIVE(l.open > 0.0);
+    GUARD(GUARD_SHADOW_LAW,
+          notEqual(R, l.r.x + s * (l.r.y + s * l.r.z)));
+    GUARD(GUARD_SHADOW_FORWARD, lessThan(l.open * exp(-s / R), vec3(l.clear)));
     return clamp(l.open * exp(-s / R), l.clear, l.open);
 }
 
@@ -214,5 +222,6 @@ vec3 shadow_crossings(ShadowLaw l, vec3 a)
     vec3 s = clamp(1.0 - a, 0.0, 1.0);
     vec3 R = clamp(l.r.x + s * (l.r.y + s * l.r.z), l.bounds.x, l.bounds.y);
     vec3 rest = R - s * (l.r.y + 2.0 * s * l.r.z);
+    GUARD(GUARD_SHADOW_CROSSINGS, lessThan(rest, vec3(0.0)));
     return l.open > 0.0 ? (1.0 - s) * max(rest, 0.0) / (R * R) : vec3(0.0);
 }

@@ -1,5 +1,6 @@
 // special.glsl - special functions in single precision, for arguments that no
 // legal parameter can drive into an overflow or a NaN.
+#include "guard.glsl"
 
 // erfc(|t|), given e = exp(-t^2).  Abramowitz & Stegun 7.1.26; absolute error
 // 1.5e-7.
@@ -76,6 +77,7 @@ vec3 special_gauss_product(float k1, vec3 k2, vec3 cos2, vec3 sin2,
     vec3 four = 4.0 * k1 * k2, apart = k1 - k2, rest;
     vec3 k = sqrt(apart * apart + four * cos2);
     vec3 i0 = special_i0(k, rest);
+    GUARD(GUARD_GAUSS_FLAT, lessThan(k + k1 + k2, vec3(1e-22)));
     less = rest + four * sin2 / (k + k1 + k2 + 1e-30);
     return i0;
 }

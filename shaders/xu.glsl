@@ -56,6 +56,7 @@ XuLight xu_light(Srbf l, float phi_o)
 {
     XuLight x;
     float phi = phi_o - l.phi;
+    GUARD(GUARD_COS_J, cos(l.theta) < 0.0);
     x.kappa = 2.0 * max(cos(l.theta), 0.0) / (l.lambda * l.lambda);
     x.cos_half = cos(0.5 * phi);
     x.sin_half = sin(0.5 * phi);
@@ -68,9 +69,12 @@ XuPlace xu_place(float theta_i, float theta_o, XuLight l)
 {
     float theta_d = 0.5 * (theta_o - theta_i), ci = special_cos(theta_i);
     XuPlace p;
+    GUARD_LIVE(ci > 0.0); // else nothing comes of it
+    GUARD(GUARD_COS_D, special_cos(theta_d) < 1e-6);
     p.cos_d = max(special_cos(theta_d), 1e-6);
     p.theta = abs(theta_d) * (1.0 / XU_HALF_PI);
     p.fall = ci / p.cos_d;
+    GUARD(GUARD_FALL, p.fall * p.fall > 4.0);
     p.fall = min(p.fall * p.fall, 4.0);
     p.kappa = l.kappa * ci;
     return p;

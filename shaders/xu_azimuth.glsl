@@ -72,12 +72,15 @@ vec2 xu_texel(vec2 at, vec2 size)
 // Columns run over the logarithm of eta in [1, 10].
 float xu_eta_column(float eta)
 {
+    GUARD(GUARD_ETA_COLUMN, eta < 1.0 || eta > 10.0);
     return clamp(log2(eta) * 0.301029996, 0.0, 1.0);
 }
 
 // Columns run over the logarithm of lambda' in [1e-3, 10]; lambda'^2 = 2/kappa.
 float xu_lambda_column(float kappa)
 {
+    GUARD(GUARD_LAMBDA_WIDE, kappa < 0.02);
+    GUARD(GUARD_LAMBDA_FINE, kappa > 2e6);
     float l2 = 0.5 - 0.5 * log2(max(kappa, 1e-12));
     return clamp((l2 + 9.96578428) * 0.0752574990, 0.0, 1.0);
 }
@@ -166,10 +169,12 @@ void xu_trt_single(Fibre f, XuPath p, vec3 t2, vec3 energy, inout XuTrt n)
 // sin(phi*/2) = z^(3/2)/eta'^2 and cos(phi*/2) = sqrt(1-z) (4-z)/eta'^2.
 void xu_trt_triple(Fibre f, XuPath p, vec3 t2, vec3 energy, inout XuTrt n)
 {
+    GUARD(GUARD_TRT_Z, p.over4 < 3e-6);
     float z = max(p.over4 * (1.0 / 3.0), 1e-6);
     n.sin_half = z * sqrt(z) * p.inverse_eta2;
     n.cos_half = sqrt(p.over1 * (1.0 / 3.0)) * (4.0 - z) * p.inverse_eta2;
     float angle = 4.0 * special_atan01(n.sin_half / (1.0 + n.cos_half));
+    GUARD(GUARD_TRT_ANGLE, angle < 1e-3);
     angle = max(angle, 1e-3); // nothing of b2 is left there
     // N_TRT(0) (eq 9): h = 0, and from eta' = sqrt 2 on the two h0 where
     // cos(gamma_i) = eta'^2/2 - 1 and cos(gamma_t) = eta'/2.
@@ -182,6 +187,7 @@ void xu_trt_triple(Fibre f, XuPath p, vec3 t2, vec3 energy, inout XuTrt n)
     float away = 1.0 - exp(-4.0 * sc * sc);
     n.b2 = peak * (away * away / (3.0 * z));
     vec3 rest = 0.5 * p.enter * energy * t2 - 1.77245385 * angle * n.b2;
+    GUARD(GUARD_TRT_REST, lessThan(rest, vec3(0.0)));
     n.b = max(rest, 0.0) * (0.282094792 * inverse_w); // 1/(2 sqrt pi)
     float kc = 2.0 * inverse_w * inverse_w;
     n.kappa = vec3(kc, kc, 2.0 / (angle * angle));
@@ -212,6 +218,7 @@ float xu_n_r(float f0, XuLight l, XuPlace p)
     float sum = 5.0 * odd.z - c * even.z;
     sum = 10.0 * odd.y + c * (-10.0 * even.y + c * sum);
     sum = odd.x + (1.0 - f0) * c * (-5.0 * even.x + c * sum);
+    GUARD(GUARD_R_SUM, sum < 0.0);
     return max(sum, 0.0) * 0.5 * XU_PI * special_i0e(p.kappa);
 }
 
@@ -247,6 +254,7 @@ float xu_eta_star_1(Fibre f, XuLight l, float kappa)
                                       l.turn_across).x - 1.0;
     float aa = f.a * f.a, inverse = 1.0 / aa;
     float turned = aa + inverse - 1.0 + mean * (aa - inverse);
+    GUARD(GUARD_ETA_STAR, (f.eta - 1.0) * turned < 1e-4);
     return max((f.eta - 1.0) * turned, 1e-4);
 }
 #endif

@@ -119,6 +119,8 @@ void xu_nodes_next(inout XuNodes n, XuLong g, int s, out vec3 t,
     t = n.t1;
     weight = max(rise, 0.0) + max(fall, 0.0);
     weight *= vec3(lessThan(g.lo, t)) * vec3(lessThan(t, g.hi));
+    GUARD_LIVE(any(greaterThan(weight, vec3(0.0))));
+    GUARD(GUARD_WEIGHT, lessThan(min(rise, fall), vec3(0.0)));
     n.t0 = n.t1;
     n.e0 = n.e1;
     n.q0 = n.q1;
