@@ -387,6 +387,11 @@ bool crossings_update(struct crossings *c, const struct crossings_light *lights,
 
 // --- use ---------------------------------------------------------------------
 
+bool crossings_has_lists(const struct crossings *c)
+{
+    return c->rays.list[0] != 0;
+}
+
 void crossings_bind(struct crossings *c, const struct strands *s)
 {
     gl.BindBufferBase(GL_UNIFORM_BUFFER, CROSSINGS_UNIFORM_BINDING, c->uniform);

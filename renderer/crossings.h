@@ -114,10 +114,12 @@ bool crossings_update(struct crossings *c, const struct crossings_light *lights,
                       struct error *err);
 
 // For rays: lists of the segments near every place.  Once a grid, any time
-// before the first use of shadow_nodes_rays.  Fails where they are longer than
-// budget or device allow.
+// before the first use of shadow_nodes_rays.  Fails with the code "limit" where
+// they are longer than budget or device allow; the smooth field stays usable.
 bool crossings_build_lists(struct crossings *c, const struct groom *g,
                            const struct params *p, struct error *err);
+
+bool crossings_has_lists(const struct crossings *c);
 
 // Binds what shadow.glsl reads; `s` is the same hair, only looked at when there
 // are lists.

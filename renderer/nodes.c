@@ -23,13 +23,21 @@ bool nodes_kept(const struct nodes *n, int part, int rays)
     return part == 0 && rays == 0 && n->first_valid;
 }
 
-static bool fit(struct nodes_store *s, const struct nodes_request *q)
+uint32_t nodes_room(const struct nodes_request *q)
 {
     GLint64 limit = 0;
     gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
+    const uint64_t bytes =
+        q->budget < (uint64_t)limit ? q->budget : (uint64_t)limit;
+    const uint64_t groups = bytes / (64 * 8 * (uint64_t)q->lights);
+    return groups < 1          ? 64
+           : groups > 1u << 24 ? 1u << 30
+                               : (uint32_t)groups * 64;
+}
+
+static void grow(struct nodes_store *s, const struct nodes_request *q)
+{
     const uint64_t bytes = 8 * (uint64_t)q->places * (uint64_t)q->lights;
-    if (bytes > q->budget || bytes > (uint64_t)limit)
-        return false;
     if (bytes > s->bytes) {
         gl.DeleteBuffers(1, &s->buffer);
         gl.CreateBuffers(1, &s->buffer);
@@ -38,7 +46,7 @@ static bool fit(struct nodes_store *s, const struct nodes_request *q)
         s->bytes = bytes;
     }
     s->stride = q->places;
-    return true;
+    s->begin = q->begin;
 }
 
 static unsigned program_of(struct nodes *n, bool rays, bool opacity,
@@ -61,22 +69,20 @@ bool nodes_make(struct nodes *n, const struct nodes_request *q,
     *out = store;
     if (nodes_kept(n, q->part, q->rays))
         return true;
-    if (!fit(store, q)) {
-        *out = NULL;
-        return true;
-    }
+    grow(store, q);
     unsigned program = program_of(n, q->rays > 0, s->opacity != 0, err);
     if (!program)
         return false;
     gl.UseProgram(program);
     gl.ProgramUniform1ui(program, PART_LOCATION, (GLuint)q->part);
     gl.ProgramUniform1ui(program, NODES_STRIDE_LOCATION, store->stride);
+    gl.ProgramUniform1ui(program, NODES_BEGIN_LOCATION, store->begin);
     if (q->rays > 0)
         gl.ProgramUniform1ui(program, RAYS_LOCATION, (GLuint)q->rays);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, s->position);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, s->strand);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, NODES_BINDING, store->buffer);
-    picture_dispatch_lights(p);
+    picture_dispatch_lights(p, q->places, q->lights);
     n->first_valid |= first;
     return true;
 }

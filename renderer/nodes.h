@@ -13,12 +13,16 @@
 #include "renderer/picture.h"
 #include "renderer/strands.h"
 
-enum { NODES_BINDING = 15, NODES_STRIDE_LOCATION = 2 };
+enum {
+    NODES_BINDING = 15,
+    NODES_STRIDE_LOCATION = 2,
+    NODES_BEGIN_LOCATION = 4
+};
 
 struct nodes_store {
     unsigned buffer;
     uint64_t bytes;
-    uint32_t stride; // places
+    uint32_t stride, begin; // places: how many, and the first of the sample's
 };
 
 struct nodes {
@@ -31,15 +35,19 @@ struct nodes_request {
     int part; // of the cells' list: the sample
     int rays; // for each place and light; 0: the smooth field
     int lights;
-    uint32_t places; // that this sample sees first
+    uint32_t places; // of those that this sample sees first: how many, and
+    uint32_t begin;  // from which on
     uint64_t budget; // bytes for one of the two
 };
 
 void nodes_finish(struct nodes *n);
 
-// The store that holds what is asked for: made now (the crossings and cells
-// are bound), or kept from before.  *out is NULL when it would take more than
-// the budget or the device allows; the shading then looks up as it goes.
+// For how many places budget and device have room at once: a multiple of 64, at
+// least that many.
+uint32_t nodes_room(const struct nodes_request *q);
+// The store that holds what is asked for, at most as many places as there is
+// room: made now (the crossings and cells are bound), or kept from before,
+// which only the whole of the first sample is.
 bool nodes_make(struct nodes *n, const struct nodes_request *q,
                 const struct picture *p, const struct strands *s,
                 const struct nodes_store **out, struct error *err);

@@ -13,8 +13,7 @@
 enum {
     HEAD_VERTICES = 96 * 48 * 6,
     DISPATCH_OFFSET = 16,
-    SHADOW_DISPATCH_OFFSET = 32,
-    LIST_END = 48,
+    LIST_END = 32,
     QUADS = 16384 // a draw: as many as 16-bit indices reach
 };
 
@@ -331,13 +330,12 @@ bool picture_see(struct picture *p, const struct strands *s, int k,
     return true;
 }
 
-void picture_prepare(struct picture *p, int k, int lights)
+void picture_prepare(struct picture *p, int k)
 {
     picture_bind(p);
     gl.UseProgram(p->count);
     gl.ProgramUniform1ui(p->count, 0, (GLuint)k);
     gl.ProgramUniform1ui(p->count, 1, k >= p->seen);
-    gl.ProgramUniform1ui(p->count, 2, (GLuint)lights);
     gl.DispatchCompute(1, 1, 1);
     gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     if (k >= p->seen)
@@ -351,10 +349,21 @@ void picture_dispatch(const struct picture *p)
     gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-void picture_dispatch_lights(const struct picture *p)
+void picture_dispatch_some(const struct picture *p, uint32_t cells)
 {
-    gl.BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, p->counts);
-    gl.DispatchComputeIndirect(SHADOW_DISPATCH_OFFSET);
+    (void)p;
+    gl_dispatch(cells);
+    gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+void picture_dispatch_lights(const struct picture *p, uint32_t cells,
+                             int lights)
+{
+    (void)p;
+    const GLuint groups = (cells + 63) / 64;
+    const GLuint x = groups < GL_ROW_GROUPS ? groups : GL_ROW_GROUPS;
+    const GLuint rows = (groups + GL_ROW_GROUPS - 1) / GL_ROW_GROUPS;
+    gl.DispatchCompute(x, (GLuint)lights, rows);
     gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 

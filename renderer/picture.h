@@ -65,12 +65,14 @@ void picture_scene(struct picture *p, const struct picture_scene *s, int k);
 // Raster and cells of sample k.
 bool picture_see(struct picture *p, const struct strands *s, int k,
                  struct error *err);
-// Binds the cells and makes the dispatches for those that sample k sees first;
-// the caller then binds its program and calls one of the two below: one thread
-// a cell, or one a cell and light.
-void picture_prepare(struct picture *p, int k, int lights);
+// Binds the cells and counts those that sample k sees first; the caller then
+// binds its program and calls one of these: a thread for each of them, one for
+// each of `cells` of them, or one for each of those and each light.
+void picture_prepare(struct picture *p, int k);
 void picture_dispatch(const struct picture *p);
-void picture_dispatch_lights(const struct picture *p);
+void picture_dispatch_some(const struct picture *p, uint32_t cells);
+void picture_dispatch_lights(const struct picture *p, uint32_t cells,
+                             int lights);
 void picture_add(struct picture *p); // adds sample k, as prepared
 // Binds the sums for display_draw.
 void picture_bind(const struct picture *p);

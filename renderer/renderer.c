@@ -119,7 +119,6 @@ static void restart(struct renderer *r, bool refined)
     picture_restart(&r->picture);
     r->samples = 0;
     r->refined = refined;
-    r->unstored = false;
 }
 
 // Marks a stage and all that come after it.
@@ -210,7 +209,7 @@ bool renderer_step(struct renderer *r, bool *done, struct error *err)
         r->stats.stage_ms[i] = -1;
     if (!run_setup(r, err))
         return false;
-    const bool refine = renderer_shadowed(r) && r->params.shadow.rays > 0;
+    const bool refine = renderer_rays(r) > 0;
     if (refine && !r->refined && r->samples > 0)
         restart(r, true); // the smooth picture was shown; now the real one
     if (r->samples < r->params.quality.samples && !renderer_sample(r, err)) {

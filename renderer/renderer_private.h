@@ -28,11 +28,11 @@ struct renderer {
     struct strands strands;
     struct lights lights;
     struct crossings crossings;
-    bool grid_stale, lists_built;                            // of the crossings
+    bool grid_stale;  // of the crossings
+    bool lists_tried; // for this grid, with success or too little room
     int grid_resolution, grid_memory_mb, directions_quality; // made for
     bool directions_stale; // lights stand elsewhere than swept for
     struct nodes nodes;
-    bool unstored; // rays were asked for, but their results found no room
     struct shading shading;
     struct picture picture;
     struct display display;
@@ -49,6 +49,9 @@ struct renderer {
 void renderer_mark(struct renderer *r, enum renderer_stage first);
 // True when shadows are asked for and there is light to be shadowed.
 bool renderer_shadowed(const struct renderer *r);
+// Rays for each light and place of a refined picture; 0 where none are asked
+// for, or where the lists that they need have no room.
+int renderer_rays(const struct renderer *r);
 
 typedef bool renderer_setup_fn(struct renderer *r, struct error *err);
 renderer_setup_fn renderer_setup_strands, renderer_setup_sky,

@@ -33,15 +33,14 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
         leave_out(s, "shadows", 0, "shadow.method is off, or nothing shines");
     else if (r->params.shadow.rays == 0)
         leave_out(s, "shadow_rays", 0, "shadow.rays is 0: the smooth field");
+    else if (r->lists_tried && renderer_rays(r) == 0)
+        leave_out(s, "shadow_rays", 1,
+                  "shadow.memory_mb or the device has no room for the lists "
+                  "of near fibres: the smooth field");
     if (!r->shading.multiple)
         leave_out(s, "multiple", 0,
                   "render.multiple or shadows are off, or a part is shown that "
                   "has none");
-    if (r->unstored)
-        leave_out(s, "shadow_rays", 1,
-                  "what rays find does not fit into "
-                  "quality.cache_mb for so many pixels "
-                  "and lights: the smooth field");
     if (!r->strands.opacity && r->strands.plain_colour[3] >= 1)
         leave_out(s, "opacity", 0,
                   "hair.use_opacity is off or the file has none");

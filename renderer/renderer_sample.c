@@ -38,43 +38,66 @@ static bool wait_for_gpu(const char *doing, struct error *err)
     return gl_check(doing, err);
 }
 
-// The shadow stage: what of the lights reaches the places of sample k.
-static bool shadow(struct renderer *r, int k, const struct nodes_store **nodes,
-                   struct error *err)
+// Shades the places of sample k: those of `nodes` alone, or all that there are.
+static bool shade(struct renderer *r, int k, const struct nodes_store *nodes,
+                  struct error *err)
 {
-    const int rays = r->refined ? r->params.shadow.rays : 0;
-    struct nodes_request q = {
-        .part = k,
-        .rays = rays,
-        .lights = r->lights.used,
-        .budget = ((uint64_t)r->params.quality.cache_mb << 20) / 2,
-    };
-    const bool kept = nodes_kept(&r->nodes, k, rays);
-    if (!kept) { // how many places there are decides how much room they need
-        if (!wait_for_gpu("visible", err))
-            return false;
-        q.places = picture_counters(&r->picture);
-        timer_begin(&r->timer, RENDERER_SHADOW, "shadow");
-    }
-    crossings_bind(&r->crossings, &r->strands);
-    bool ok = nodes_make(&r->nodes, &q, &r->picture, &r->strands, nodes, err);
-    if (!kept)
-        timer_end(&r->timer, RENDERER_SHADOW);
-    r->unstored |= !*nodes && rays > 0;
-    return ok;
-}
-
-static bool shade(struct renderer *r, int k, struct error *err)
-{
-    struct shading_sample how = {.part = k};
-    if (renderer_shadowed(r) && !shadow(r, k, &how.nodes, err))
-        return false;
+    const struct shading_sample how = {.part = k, .nodes = nodes};
     timer_begin(&r->timer, RENDERER_SHADE, "shade");
     bool ok = shading_bind(&r->shading, &r->strands, &how, err);
-    if (ok)
+    if (ok && nodes)
+        picture_dispatch_some(&r->picture, nodes->stride);
+    else if (ok)
         picture_dispatch(&r->picture);
     timer_end(&r->timer, RENDERER_SHADE);
     return ok;
+}
+
+// The shadow stage, what of the lights reaches the places of a request, and
+// their shading.
+static bool shadow(struct renderer *r, const struct nodes_request *q,
+                   struct error *err)
+{
+    const struct nodes_store *nodes = NULL;
+    const bool kept = nodes_kept(&r->nodes, q->part, q->rays);
+    if (!kept)
+        timer_begin(&r->timer, RENDERER_SHADOW, "shadow");
+    bool ok = nodes_make(&r->nodes, q, &r->picture, &r->strands, &nodes, err);
+    if (!kept)
+        timer_end(&r->timer, RENDERER_SHADOW);
+    return ok && shade(r, q->part, nodes, err);
+}
+
+// All places at once where memory has room for what reaches them; else rays
+// take a part after the other, and the smooth field is looked up as it is
+// shaded, which gives the same bits.
+static bool shadow_and_shade(struct renderer *r, int k, struct error *err)
+{
+    struct nodes_request q = {
+        .part = k,
+        .rays = r->refined ? renderer_rays(r) : 0,
+        .lights = r->lights.used,
+        .budget = ((uint64_t)r->params.quality.cache_mb << 20) / 2,
+    };
+    crossings_bind(&r->crossings, &r->strands);
+    if (nodes_kept(&r->nodes, k, q.rays))
+        return shadow(r, &q, err);
+    if (!wait_for_gpu("visible", err)) // how many places there are
+        return false;
+    const uint32_t all = picture_counters(&r->picture);
+    const uint32_t room = nodes_room(&q);
+    q.places = all;
+    if (all <= room)
+        return all == 0 || shadow(r, &q, err);
+    if (q.rays == 0)
+        return shade(r, k, NULL, err);
+    for (; q.begin < all; q.begin += room) {
+        q.places = all - q.begin < room ? all - q.begin : room;
+        if (!shadow(r, &q, err) || !wait_for_gpu("shadow", err))
+            return false;
+        timer_collect(&r->timer, r->stats.stage_ms, RENDERER_STAGES);
+    }
+    return true;
 }
 
 bool renderer_sample(struct renderer *r, struct error *err)
@@ -89,8 +112,9 @@ bool renderer_sample(struct renderer *r, struct error *err)
         if (!seen)
             return false;
     }
-    picture_prepare(&r->picture, k, r->lights.used);
-    if (!shade(r, k, err))
+    picture_prepare(&r->picture, k);
+    if (!(renderer_shadowed(r) ? shadow_and_shade(r, k, err)
+                               : shade(r, k, NULL, err)))
         return false;
     timer_begin(t, RENDERER_RESOLVE, "resolve");
     picture_add(&r->picture);

@@ -38,6 +38,13 @@ bool renderer_shadowed(const struct renderer *r)
     return r->params.shadow.method != 0 && r->lights.used > 0;
 }
 
+int renderer_rays(const struct renderer *r)
+{
+    return renderer_shadowed(r) && crossings_has_lists(&r->crossings)
+               ? r->params.shadow.rays
+               : 0;
+}
+
 static bool build_grid(struct renderer *r, struct error *err)
 {
     const struct params *p = &r->params;
@@ -49,7 +56,7 @@ static bool build_grid(struct renderer *r, struct error *err)
         return false;
     r->grid_resolution = p->shadow.resolution;
     r->grid_memory_mb = p->shadow.memory_mb;
-    r->lists_built = false;
+    r->lists_tried = false;
     r->grid_stale = false;
     r->directions_stale = true;
     return true;
@@ -72,6 +79,19 @@ static bool update_directions(struct renderer *r, struct error *err)
     return true;
 }
 
+// Where they have no room the smooth field is final (renderer_rays), and the
+// report says so.
+static bool build_lists(struct renderer *r, struct error *err)
+{
+    struct error why = {0};
+    r->lists_tried =
+        crossings_build_lists(&r->crossings, r->groom, &r->params, &why) ||
+        strcmp(why.code, "limit") == 0;
+    if (!r->lists_tried && err)
+        *err = why;
+    return r->lists_tried;
+}
+
 // Only what is not so already: a grid for this hair, directions for these
 // lights, lists for rays.
 bool renderer_setup_crossings(struct renderer *r, struct error *err)
@@ -91,11 +111,9 @@ bool renderer_setup_crossings(struct renderer *r, struct error *err)
         if (!update_directions(r, err))
             return false;
     }
-    if (p->shadow.rays > 0 && !r->lists_built) {
+    if (p->shadow.rays > 0 && !r->lists_tried) {
         r->idle = false;
-        if (!crossings_build_lists(&r->crossings, r->groom, p, err))
-            return false;
-        r->lists_built = true;
+        return build_lists(r, err);
     }
     return true;
 }

@@ -205,6 +205,7 @@ bool shading_bind(struct shading *s, const struct strands *strands,
         gl.ProgramUniform1i(program, XU_M_LOCATION, s->m);
     if (nodes) {
         gl.ProgramUniform1ui(program, NODES_STRIDE_LOCATION, nodes->stride);
+        gl.ProgramUniform1ui(program, NODES_BEGIN_LOCATION, nodes->begin);
         gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, NODES_BINDING,
                           nodes->buffer);
     }

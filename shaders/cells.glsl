@@ -10,7 +10,6 @@ layout(std430, binding = 7) buffer Counts {
     uint pad0;
     uint shaded;         // cells that one sample shades
     uvec4 dispatch;      // the groups for them; w: where they begin in list[]
-    uvec4 shadow_dispatch; // the same for every light
     uint list_end[];     // per kept sample: entries of list[] after it
 };
 layout(std430, binding = 8) buffer Map { uint map[]; };        // per pixel

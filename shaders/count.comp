@@ -4,7 +4,6 @@
 layout(local_size_x = 1) in;
 layout(location = 0) uniform uint kept;       // index of this sample's part
 layout(location = 1) uniform uint close_part; // 1: the part ends at `listed`
-layout(location = 2) uniform uint lights;
 
 const uint ROW_GROUPS = 32768u; // GL_ROW_GROUPS of gl.h
 
@@ -17,5 +16,4 @@ void main()
     uint groups = (shaded + 63u) / 64u, x = min(groups, ROW_GROUPS);
     uint rows = (groups + ROW_GROUPS - 1u) / ROW_GROUPS;
     dispatch = uvec4(x, max(rows, 1u), 1u, begin);
-    shadow_dispatch = uvec4(x, max(lights, 1u), max(rows, 1u), 0u);
 }

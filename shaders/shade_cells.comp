@@ -9,9 +9,15 @@ void main()
     uint row = gl_NumWorkGroups.x * 64u;
     // within this sample's part
     uint at = gl_GlobalInvocationID.x + gl_WorkGroupID.y * row;
-    if (dispatch.w + at >= list_end[kept])
+    uint entry = dispatch.w + at;
+#ifdef SHADOW_STORED // or as much of it as there are transmittances
+    if (at >= nodes_stride)
         return;
-    uint slot = list[dispatch.w + at];
+    entry += nodes_begin;
+#endif
+    if (entry >= list_end[kept])
+        return;
+    uint slot = list[entry];
     vec3 seen = shade_seen(place_of(slot), at, 0u, light_count);
     radiance[slot] = vec4(seen, 1.0);
 }

@@ -17,9 +17,9 @@ void main()
 {
     uint row = gl_NumWorkGroups.x * 64u;
     uint i = gl_GlobalInvocationID.x + gl_WorkGroupID.z * row;
-    uint at = dispatch.w + i;
+    uint at = dispatch.w + nodes_begin + i;
     uint light = gl_WorkGroupID.y;
-    if (at >= list_end[kept])
+    if (i >= nodes_stride || at >= list_end[kept])
         return;
     Place c = place_of(list[at]);
 #ifdef SHADOW_RAYS

@@ -119,6 +119,12 @@ vec3 shadow_direction(vec3 z, float lambda, uint i, uint n, vec2 shift)
 // ends it reads on along the light's way that is nearest.  What is averaged is
 // by how much that differs from what this way alone says (a control variate):
 // few rays then find what the voxels miss without being noisier than needed.
+// What n rays add counts n / (n + c): as much as makes the expected square of
+// the error least, c being the variance of one ray over the square of the smooth
+// field's error.  A wide lobe's rays differ more among themselves and its field
+// errs less: c = 10 lambda, measured (docs/SHADOWS.md); 0 for a sun, whose one
+// ray is the answer.
+const float SHADOW_DOUBT = 10.0;
 uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
                         uint rays)
 {
@@ -128,8 +134,10 @@ uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
     vec3 z = shadow_centre[light].xyz;
     float lambda = uintBitsToFloat(l.z);
     // The farther a ray decides, the nearer the mean of many to the truth, and
-    // the noisier that of few.
-    float reach = shadow_inverse.w * (rays < 8u ? 1.0 : 1.5);
+    // the noisier that of few; a narrow lobe's differ less.
+    float wider = rays < 8u ? 1.0 : 1.5;
+    float longer = 1.0 + 0.5 * log2(float(max(rays, 1u)));
+    float reach = shadow_inverse.w * (lambda <= 0.1 ? longer : wider);
     // Half of what one ray stands for (see fill_block of crossings.c): where it
     // goes is drawn already, and the head's rim shall not be blurred twice.
     float wide = max(lambda, 1e-4) * sqrt(0.785398163 / float(rays));
@@ -153,7 +161,8 @@ uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
         sum += open * vec4(near, 1.0) * shadow_powers(x);
         sum -= shadow_along(way, g, o, uintBitsToFloat(l.w));
     }
-    vec4 mean = shadow_smooth(l, g, o) + sum / float(max(rays, 1u));
+    vec4 mean = shadow_smooth(l, g, o) +
+                sum / (float(max(rays, 1u)) + SHADOW_DOUBT * lambda);
     mean.w = clamp(mean.w, 0.0, 1.0);
     mean.z = clamp(mean.z, 0.0, mean.w);
     mean.y = clamp(mean.y, 0.0, mean.z);

@@ -1,0 +1,98 @@
+// Shadows in whole pictures: what memory allows decides how, never what.
+#include "tests/check.h"
+#include "tests/render/scene.h"
+
+#include <stdlib.h>
+
+static void base(struct params *p)
+{
+    scene_params(p);
+    p->hair.diameter = 0.6f;
+    p->quality.samples = 2;
+    p->shadow.method = 1;
+    p->shadow.rays = 1;
+    p->shadow.resolution = 40;
+}
+
+static const struct renderer_left_out *left_out(const struct renderer_stats *s,
+                                                const char *what)
+{
+    for (int i = 0; i < s->left_out_count; i++)
+        if (strcmp(s->left_out[i].what, what) == 0)
+            return &s->left_out[i];
+    return NULL;
+}
+
+// Strands so wide that the lists of what is near each voxel are longer than the
+// least memory.
+static void no_room_for_lists(void)
+{
+    struct params p;
+    struct renderer_stats s;
+    base(&p);
+    p.hair.diameter = 30;
+    p.shadow.memory_mb = 16;
+    check_case("rays without room for their lists: the smooth field, reported");
+    struct renderer *r =
+        scene_renderer(scene_lock(40, 10), scene_two_lamps(), &p);
+    struct buf with = scene_linear(r);
+    renderer_stats(r, &s);
+    const struct renderer_left_out *l = left_out(&s, "shadow_rays");
+    CHECK(l && l->bound == 1 && strstr(l->why, "memory_mb"));
+    CHECK(!s.refined && s.samples == 2);
+    p.shadow.rays = 0;
+    renderer_set_params(r, &p);
+    struct buf without = scene_linear(r);
+    CHECK(scene_same(&with, &without));
+    check_case("... and more room brings the rays");
+    p.shadow.rays = 1;
+    p.shadow.memory_mb = 512;
+    renderer_set_params(r, &p);
+    struct buf more = scene_linear(r);
+    renderer_stats(r, &s);
+    CHECK(s.refined && !left_out(&s, "shadow_rays"));
+    CHECK(!scene_same(&more, &without));
+    buf_finish(&with);
+    buf_finish(&without);
+    buf_finish(&more);
+    renderer_destroy(r);
+}
+
+// More places and lights than the store of transmittances holds: rays work on a
+// part after the other.
+static void parts(void)
+{
+    struct params p;
+    base(&p);
+    p.hair.diameter = 0.05f;
+    p.image.width = 384;
+    p.image.height = 256;
+    p.sky.lights = 40;
+    p.quality.samples = 1;
+    p.quality.light_bound = 0;
+    struct buf b[2];
+    check_case("memory for transmittances does not change what rays find");
+    for (int i = 0; i < 2; i++) {
+        struct renderer_stats s;
+        p.quality.cache_mb = i ? 16 : 1024;
+        struct renderer *r =
+            scene_renderer(scene_lock(3000, 10), scene_two_lamps(), &p);
+        b[i] = scene_linear(r);
+        renderer_stats(r, &s);
+        // 8 bytes each, and half of cache_mb for them
+        CHECK(s.visible_points * (uint32_t)s.lights_used > 1u << 20);
+        CHECK(s.refined && !left_out(&s, "shadow_rays"));
+        renderer_destroy(r);
+    }
+    CHECK(scene_same(&b[0], &b[1]));
+    buf_finish(&b[0]);
+    buf_finish(&b[1]);
+}
+
+int main(int argc, char **argv)
+{
+    sky_helper_main(argc, argv);
+    no_room_for_lists();
+    parts();
+    return check_end();
+}
