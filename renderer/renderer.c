@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "protocol/edit.h"
 #include "renderer/egl.h"
 #include "renderer/gl.h"
 #include "renderer/renderer_private.h"
@@ -87,6 +88,7 @@ void renderer_destroy(struct renderer *r)
         return;
     if (r->egl) {
         egl_use(r->egl);
+        layers_drop(&r->layers);
         picture_finish(&r->picture);
         display_finish(&r->display);
         shading_finish(&r->shading);
@@ -177,6 +179,27 @@ void renderer_set_params(struct renderer *r, const struct params *p)
     for (int i = 0; i < RENDERER_STAGES; i++)
         if (stages[i].groups & changed)
             renderer_mark(r, (enum renderer_stage)i);
+}
+
+bool renderer_layers_on(struct renderer *r, struct error *err)
+{
+    const char *name = "render.components";
+    const struct span word = edit_choice(params_find(name, strlen(name)),
+                                         r->params.render.components);
+    if (r->params.render.components != 0)
+        return error_set(err, "state", name,
+                         "layers: %s is %.*s; only of all are there parts",
+                         name, (int)word.size, (const char *)word.data);
+    egl_use(r->egl);
+    r->layers.on = true;
+    restart(r, r->refined);
+    return true;
+}
+
+void renderer_layers_off(struct renderer *r)
+{
+    egl_use(r->egl);
+    layers_drop(&r->layers);
 }
 
 // --- a step ------------------------------------------------------------------

@@ -93,6 +93,20 @@ bool renderer_read_display(struct renderer *r, struct buf *out,
 bool renderer_read_linear(struct renderer *r, struct buf *out,
                           struct error *err);
 
+// The parts that the whole picture is the sum of: single_R, single_TT,
+// single_TRT, global, local.
+enum { RENDERER_LAYERS = 5 };
+extern const char *const renderer_layer_names[RENDERER_LAYERS];
+// From now on each sample makes them too, out of the same cells and shadows;
+// the picture begins anew, the same bit for bit.  Fails when render.components
+// is not all, which must stay so.  off: ends that and frees their memory (16
+// bytes for each cell and pixel); the picture stays.
+bool renderer_layers_on(struct renderer *r, struct error *err);
+void renderer_layers_off(struct renderer *r);
+// As renderer_read_linear.  A part that this scene leaves out is black.
+bool renderer_read_layer(struct renderer *r, int layer, struct buf *out,
+                         struct error *err);
+
 void renderer_stats(const struct renderer *r, struct renderer_stats *out);
 
 #endif

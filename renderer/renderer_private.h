@@ -9,6 +9,7 @@
 #include "renderer/camera.h"
 #include "renderer/crossings.h"
 #include "renderer/display.h"
+#include "renderer/layers.h"
 #include "renderer/lights.h"
 #include "renderer/nodes.h"
 #include "renderer/picture.h"
@@ -35,6 +36,7 @@ struct renderer {
     struct nodes nodes;
     struct shading shading;
     struct picture picture;
+    struct layers layers;
     struct display display;
     struct camera camera;
     struct timer timer;

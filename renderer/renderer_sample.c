@@ -38,19 +38,81 @@ static bool wait_for_gpu(const char *doing, struct error *err)
     return gl_check(doing, err);
 }
 
-// Shades the places of sample k: those of `nodes` alone, or all that there are.
+// The words of render.components that a picture is the sum of.
+static const int layer_words[RENDERER_LAYERS] = {1, 2, 3, 5, 6};
+const char *const renderer_layer_names[RENDERER_LAYERS] = {
+    "single_R", "single_TT", "single_TRT", "global", "local"};
+
+static bool has_layer(const struct renderer *r, int i)
+{
+    if (!r->layers.on)
+        return false;
+    return i == 0 ||
+           (i < 3 ? !r->shading.opaque
+                  : r->shading.shadowed && r->params.render.multiple > 0);
+}
+
+// Of sample k those places of `nodes` alone, or all that there are.
+static bool shade_shown(struct renderer *r, int k,
+                        const struct nodes_store *nodes, struct error *err)
+{
+    const struct shading_sample how = {.part = k, .nodes = nodes};
+    if (!shading_bind(&r->shading, &r->strands, &how, err))
+        return false;
+    if (nodes)
+        picture_dispatch_some(&r->picture, nodes->stride);
+    else
+        picture_dispatch(&r->picture);
+    return true;
+}
+
+// Shows one of the words from now on, by uniforms and program.
+static void show(struct renderer *r, int word, int k)
+{
+    shading_show(&r->shading, &r->params, &r->strands, word);
+    bind_scene(r, k);
+    picture_bind(&r->picture);
+}
+
+// The same places once more for each part that the scene has.
+static bool shade_layers(struct renderer *r, int k,
+                         const struct nodes_store *nodes, struct error *err)
+{
+    bool ok = true;
+    for (int i = 0; ok && i < RENDERER_LAYERS; i++) {
+        if (!has_layer(r, i))
+            continue;
+        show(r, layer_words[i], k);
+        ok = layers_fit(&r->layers, i, &r->picture, err);
+        layers_bind(&r->layers, i);
+        ok = ok && shade_shown(r, k, nodes, err);
+    }
+    show(r, r->params.render.components, k);
+    return ok;
+}
+
 static bool shade(struct renderer *r, int k, const struct nodes_store *nodes,
                   struct error *err)
 {
-    const struct shading_sample how = {.part = k, .nodes = nodes};
     timer_begin(&r->timer, RENDERER_SHADE, "shade");
-    bool ok = shading_bind(&r->shading, &r->strands, &how, err);
-    if (ok && nodes)
-        picture_dispatch_some(&r->picture, nodes->stride);
-    else if (ok)
-        picture_dispatch(&r->picture);
+    bool ok = shade_shown(r, k, nodes, err) &&
+              (!r->layers.on || shade_layers(r, k, nodes, err));
     timer_end(&r->timer, RENDERER_SHADE);
     return ok;
+}
+
+static bool add_layers(struct renderer *r, struct error *err)
+{
+    for (int i = 0; i < RENDERER_LAYERS; i++) {
+        if (!has_layer(r, i))
+            continue;
+        if (!layers_fit(&r->layers, i, &r->picture, err))
+            return false;
+        layers_bind(&r->layers, i);
+        layers_add(&r->layers, &r->picture);
+    }
+    picture_bind(&r->picture);
+    return true;
 }
 
 // The shadow stage, what of the lights reaches the places of a request, and
@@ -118,8 +180,9 @@ bool renderer_sample(struct renderer *r, struct error *err)
         return false;
     timer_begin(t, RENDERER_RESOLVE, "resolve");
     picture_add(&r->picture);
+    bool added = !r->layers.on || add_layers(r, err);
     timer_end(t, RENDERER_RESOLVE);
-    if (!wait_for_gpu("sample", err))
+    if (!added || !wait_for_gpu("sample", err))
         return false;
     timer_collect(t, r->stats.stage_ms, RENDERER_STAGES);
     r->stats.visible_points = picture_counters(&r->picture);
@@ -168,5 +231,18 @@ bool renderer_read_linear(struct renderer *r, struct buf *out,
     const size_t n = (size_t)r->picture.width * (size_t)r->picture.height;
     picture_read_sum(&r->picture, (float *)(void *)buf_grow(out, 16 * n),
                      r->samples);
+    return gl_check("read-back", err);
+}
+
+bool renderer_read_layer(struct renderer *r, int layer, struct buf *out,
+                         struct error *err)
+{
+    buf_clear(out);
+    egl_use(r->egl);
+    if (r->samples == 0 || !r->layers.on)
+        return error_set(err, "state", "layers", "no layers are rendered yet");
+    const size_t n = (size_t)r->picture.width * (size_t)r->picture.height;
+    layers_read(&r->layers, layer, &r->picture,
+                (float *)(void *)buf_grow(out, 16 * n), r->samples);
     return gl_check("read-back", err);
 }

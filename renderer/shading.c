@@ -76,10 +76,10 @@ static const char *view_of(int components)
 }
 
 static void name_base(struct shading *s, const struct params *p,
-                      const struct strands *strands)
+                      const struct strands *strands, int shown)
 {
     const double negligible = 1e-4; // of R: below one 8-bit step by far
-    const char *view = view_of(p->render.components);
+    const char *view = view_of(shown);
     char m[16];
     s->circular = !shading_wants_axis(p);
     s->opaque_bound = opaque_bound(p);
@@ -99,7 +99,7 @@ static void name_base(struct shading *s, const struct params *p,
         add(s->base, "WITH_COLOUR");
     if (s->shadowed)
         add(s->base, "WITH_SHADOW");
-    if (!view && p->render.components <= LAST_SINGLE)
+    if (!view && shown <= LAST_SINGLE)
         add(s->base, "WITH_SINGLE");
     if (s->multiple)
         add(s->base, p->render.multiple == 1 ? "WITH_MULTIPLE DUAL_PAPER"
@@ -144,17 +144,23 @@ static void update_dual(struct shading *s, const struct params *p)
                                                : DUAL_SCHEME_BEST);
 }
 
+void shading_show(struct shading *s, const struct params *p,
+                  const struct strands *strands, int components)
+{
+    choose_components(s, components);
+    // light that others scattered is known only where what they block is
+    s->multiple = s->shadowed && p->render.multiple > 0 &&
+                  (s->share[0] > 0 || s->share[1] > 0);
+    name_base(s, p, strands, components);
+}
+
 void shading_update(struct shading *s, const struct params *p,
                     const struct strands *strands, bool shadowed)
 {
     s->shadowed = shadowed;
-    choose_components(s, p->render.components);
-    // light that others scattered is known only where what they block is
-    s->multiple = shadowed && p->render.multiple > 0 &&
-                  (s->share[0] > 0 || s->share[1] > 0);
+    shading_show(s, p, strands, p->render.components);
     if (s->multiple)
         update_dual(s, p);
-    name_base(s, p, strands);
     if (!s->tables || s->tables->times != p->render.tables) {
         xu_tables_destroy(s->tables);
         s->tables = xu_tables_create(p->render.tables);

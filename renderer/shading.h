@@ -42,6 +42,10 @@ void shading_finish(struct shading *s);
 // and tables.  shadowed: transmittances are to be had.
 void shading_update(struct shading *s, const struct params *p,
                     const struct strands *strands, bool shadowed);
+// Another word of render.components, whatever *p says; what shading_update made
+// for `all` holds what it needs.
+void shading_show(struct shading *s, const struct params *p,
+                  const struct strands *strands, int components);
 bool shading_wants_axis(const struct params *p);
 
 struct shading_sample {

@@ -100,3 +100,22 @@ bool args_encoding(const struct line *line, struct still_encoding *how,
     how->quality = (int)quality;
     return true;
 }
+
+bool args_layers(const struct line *line, struct still_encoding *how,
+                 struct error *err)
+{
+    const struct line_pair *pair = line_pair(line, "layers");
+    if (!pair)
+        return true;
+    how->layers = line_is(pair->value, "on");
+    if (!how->layers && !line_is(pair->value, "off"))
+        return error_set(err, "type", "layers",
+                         "layers: '%.*s' is not on or "
+                         "off",
+                         ARGS_TEXT(pair->value));
+    if (how->layers && how->format != STILL_EXR)
+        return error_set(err, "syntax", "layers",
+                         "layers: only format=exr has them, not %s",
+                         still_format_name(how->format));
+    return true;
+}

@@ -31,5 +31,8 @@ bool args_whole(const struct line *line, const char *name,
 // format= quality= chroma= depth= over what *how holds.
 bool args_encoding(const struct line *line, struct still_encoding *how,
                    struct error *err);
+// layers=on|off, which only an EXR has.
+bool args_layers(const struct line *line, struct still_encoding *how,
+                 struct error *err);
 
 #endif

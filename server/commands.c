@@ -264,8 +264,9 @@ static bool run_capture(struct session *s, const struct line *line,
     const struct line_pair *size = line_pair(line, "size");
     uint64_t revision = 0;
     int width = 0, height = 0;
-    if (!args_only(line, "format size revision depth quality chroma", err) ||
-        !args_encoding(line, &how, err) ||
+    if (!args_only(line, "format size revision depth quality chroma layers",
+                   err) ||
+        !args_encoding(line, &how, err) || !args_layers(line, &how, err) ||
         !args_whole(line, "revision", json_safe, &revision, err) ||
         (size && !edit_size(size->value, "size", &width, &height, err)))
         return false;

@@ -259,7 +259,9 @@ static void do_capture(struct engine *e)
     progress(e, "capture");
     note_taken(e, wish.revision);
     studio_capture_begin(&e->studio, &p, &wish);
-    event.ok = capture_steps(e, &wish, &event.error);
+    event.ok =
+        (!c.how.layers || studio_capture_layers(&e->studio, &event.error)) &&
+        capture_steps(e, &wish, &event.error);
     if (event.ok && capture_goes_on(e)) {
         pthread_mutex_unlock(&e->lock);
         event.ok = studio_capture_end(&e->studio, &c.how, wish.revision,
@@ -267,6 +269,7 @@ static void do_capture(struct engine *e)
         event.frame.received_us = wish.received_us;
         pthread_mutex_lock(&e->lock);
     }
+    studio_capture_leave(&e->studio);
     if (capture_goes_on(e))
         events_push(&e->events, &event);
     else

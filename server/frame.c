@@ -25,6 +25,8 @@ static void put_format(struct json *j, const struct still_encoding *e)
         json_put_string(j, "chroma", e->chroma ? "444" : "420");
     } else if (e->format == STILL_EXR) {
         json_put_string(j, "depth", e->depth ? "float" : "half");
+        if (e->layers)
+            json_put_bool(j, "layers", true);
     }
 }
 

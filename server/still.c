@@ -84,6 +84,7 @@ static void state_text_finish(struct state_text *t)
     free(t->list);
 }
 
+// pixels: the whole, then, when they are asked for, its parts.
 static bool encode(struct buf *out, const struct buf *pixels,
                    const struct still_request *q, struct error *err)
 {
@@ -101,9 +102,14 @@ static bool encode(struct buf *out, const struct buf *pixels,
     if (q->how.format == STILL_PNG) {
         encode_png(out, pixels->data, width, height, true, t.list);
     } else {
-        struct encode_layer layer = {"", (const float *)pixels->data, true};
-        struct encode_exr e = {width,  height, q->how.depth == STILL_HALF,
-                               &layer, 1,      t.list};
+        struct encode_layer layer[1 + RENDERER_LAYERS];
+        const int parts = q->how.layers ? RENDERER_LAYERS : 0;
+        for (int i = 0; i <= parts; i++)
+            layer[i] = (struct encode_layer){
+                i ? renderer_layer_names[i - 1] : "",
+                (const float *)(const void *)pixels[i].data, i == 0};
+        struct encode_exr e = {width, height,    q->how.depth == STILL_HALF,
+                               layer, 1 + parts, t.list};
         ok = encode_exr(out, &e, err);
     }
     state_text_finish(&t);
@@ -113,16 +119,19 @@ static bool encode(struct buf *out, const struct buf *pixels,
 bool still_encode(struct buf *out, struct renderer *r,
                   struct still_request *request, struct error *err)
 {
-    struct buf pixels = {0};
+    struct buf pixels[1 + RENDERER_LAYERS] = {{0}};
     int64_t began = clock_us();
     bool ok = request->how.format == STILL_EXR
-                  ? renderer_read_linear(r, &pixels, err)
-                  : renderer_read_display(r, &pixels, err);
+                  ? renderer_read_linear(r, &pixels[0], err)
+                  : renderer_read_display(r, &pixels[0], err);
+    for (int i = 0; ok && request->how.layers && i < RENDERER_LAYERS; i++)
+        ok = renderer_read_layer(r, i, &pixels[1 + i], err);
     int64_t read = clock_us();
     if (ok)
-        ok = encode(out, &pixels, request, err);
+        ok = encode(out, pixels, request, err);
     request->read_ms = (double)(read - began) / 1e3;
     request->encode_ms = (double)(clock_us() - read) / 1e3;
-    buf_finish(&pixels);
+    for (int i = 0; i <= RENDERER_LAYERS; i++)
+        buf_finish(&pixels[i]);
     return ok;
 }

@@ -22,6 +22,8 @@ struct still_encoding {
     int quality; // JPEG, 1..100; 0: as the moment asks (streams only)
     int chroma;  // JPEG, enum encode_chroma
     int depth;   // EXR, enum still_depth
+    bool layers; // EXR of a capture: the parts of the picture as well, which
+                 // the renderer was told to make
 };
 
 // As output.* says.

@@ -255,6 +255,20 @@ void studio_capture_begin(struct studio *s, const struct params *p,
         s->live_revision = w->revision;
 }
 
+bool studio_capture_layers(struct studio *s, struct error *err)
+{
+    if (!renderer_layers_on(s->renderer, err))
+        return false;
+    s->samples = 0; // the same picture once more
+    s->done = false;
+    return true;
+}
+
+void studio_capture_leave(struct studio *s)
+{
+    renderer_layers_off(s->renderer);
+}
+
 bool studio_capture_end(struct studio *s, const struct still_encoding *how,
                         uint64_t revision, struct studio_frame *out,
                         struct error *err)

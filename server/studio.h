@@ -92,10 +92,13 @@ bool studio_publish(struct studio *s, const struct studio_wish *w, int64_t now,
 // The frame serves this demand: it is remembered there.
 void studio_served(struct studio_demand *d, const struct studio_frame *f);
 
-// A capture: begin, step until *done, end.  `p` may differ from the live state
-// (another size); that then begins anew for the viewers.
+// A capture: begin, step until *done, end; leave, whatever came of it.  `p` may
+// differ from the live state (another size); that then begins anew for the
+// viewers.  layers: for an encoding with layers; refused where there are none.
 void studio_capture_begin(struct studio *s, const struct params *p,
                           const struct studio_wish *w);
+bool studio_capture_layers(struct studio *s, struct error *err);
+void studio_capture_leave(struct studio *s);
 bool studio_step(struct studio *s, bool *done, struct error *err);
 bool studio_capture_end(struct studio *s, const struct still_encoding *how,
                         uint64_t revision, struct studio_frame *out,

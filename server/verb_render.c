@@ -118,7 +118,12 @@ static bool refine(struct renderer *r, double *total_ms, struct error *err)
     return true;
 }
 
-static int render(const struct options *o, int format, bool verbose)
+struct wanted {
+    int format;
+    bool layers, verbose;
+};
+
+static int render(const struct options *o, const struct wanted *want)
 {
     struct error err = {0};
     struct still_state state = {.params = &o->params};
@@ -127,14 +132,17 @@ static int render(const struct options *o, int format, bool verbose)
     double total_ms[RENDERER_STAGES];
     char *cache = cache_directory();
     struct renderer *r = renderer_create(cache, &err);
-    bool ok = r && open_scene(r, o, &state, &err) && refine(r, total_ms, &err);
+    bool ok = r && open_scene(r, o, &state, &err) &&
+              (!want->layers || renderer_layers_on(r, &err)) &&
+              refine(r, total_ms, &err);
     if (ok) {
         state.device = renderer_device(r);
         q.how = still_encoding_of(&o->params);
-        q.how.format = format;
+        q.how.format = want->format;
+        q.how.layers = want->layers;
         ok = still_encode(&out, r, &q, &err) && write_file(o->out, &out, &err);
     }
-    if (ok && verbose)
+    if (ok && want->verbose)
         report(r, total_ms, &q, out.size);
     buf_finish(&out);
     renderer_destroy(r);
@@ -144,9 +152,12 @@ static int render(const struct options *o, int format, bool verbose)
 
 int verb_render_run(int argc, char **argv)
 {
-    bool verbose = false;
+    struct wanted want = {0};
     const struct options_row rows[] = {
-        {"verbose", OPTIONS_FLAG, &verbose, 0, 0, NULL,
+        {"layers", OPTIONS_FLAG, &want.layers, 0, 0, NULL,
+         "write the picture's parts as well: single_R, single_TT, single_TRT, "
+         "global, local (.exr)"},
+        {"verbose", OPTIONS_FLAG, &want.verbose, 0, 0, NULL,
          "print the stages' milliseconds and what was left out"},
         {0}};
     const struct options_verb verb = {
@@ -159,15 +170,20 @@ int verb_render_run(int argc, char **argv)
     struct options o;
     int status = options_parse(&o, &verb, argc, argv);
     if (status < 0) {
-        int format = o.out ? format_of(o.out) : -1;
-        if (format < 0) {
+        want.format = o.out ? format_of(o.out) : -1;
+        if (want.format < 0) {
             fprintf(stderr,
                     "glintd: render: --out %s: a name that ends in .exr, .png "
                     "or .jpg is needed\n",
                     o.out ? o.out : "is missing");
             status = 2;
+        } else if (want.layers && want.format != STILL_EXR) {
+            fprintf(stderr,
+                    "glintd: render: --layers: --out %s: only .exr has them\n",
+                    o.out);
+            status = 2;
         } else {
-            status = render(&o, format, verbose);
+            status = render(&o, &want);
         }
     }
     options_finish(&o);

@@ -27,7 +27,8 @@ static const struct verb {
     {"capture", verb_capture_run, "json out",
      "capture [format=exr|png|jpeg] [size=WxH] [revision=N] "
      "[depth=half|float]\n"
-     "        [quality=N] [GROUP.NAME=VALUE...] --out FILE [--json]\n"
+     "        [layers=on|off] [quality=N] [GROUP.NAME=VALUE...] --out FILE "
+     "[--json]\n"
      "    Makes the edits, waits for the final picture and writes it, whole "
      "or\n"
      "    not at all.  The format is that of the file's name; - is the "
