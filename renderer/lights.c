@@ -29,8 +29,8 @@ void lights_finish(struct lights *l)
     memset(l, 0, sizeof *l);
 }
 
-// Map direction -> world direction, row-major: Rz(yaw) Rx(pitch) Ry(roll).
-static void rotation(const struct params *p, double m[9])
+// Rz(yaw) Rx(pitch) Ry(roll).
+void lights_rotation(const struct params *p, double m[9])
 {
     const double rad = M_PI / 180;
     double cz = cos(p->light.yaw * rad), sz = sin(p->light.yaw * rad);
@@ -100,7 +100,7 @@ bool lights_put(struct lights *l, const struct sky_fit *fit,
     struct sun sun[LIGHTS_SUNS];
     double m[9];
     memset(place, 0, sizeof place); // compared as bytes below
-    rotation(p, m);
+    lights_rotation(p, m);
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 3; c++)
             l->to_map[3 * r + c] = (float)m[3 * c + r];
@@ -129,6 +129,20 @@ bool lights_put(struct lights *l, const struct sky_fit *fit,
     l->used = sky + suns;
     l->suns = suns;
     return changed;
+}
+
+int lights_suns(const struct params *p, struct lights_sun out[LIGHTS_SUNS])
+{
+    struct sun sun[LIGHTS_SUNS];
+    const int n = suns_of(p, sun);
+    for (int i = 0; i < n; i++) {
+        const double e = sun[i].elevation, a = sun[i].azimuth;
+        const double d[3] = {cos(e) * sin(a), -cos(e) * cos(a), sin(e)};
+        memcpy(out[i].direction, d, sizeof d);
+        for (int c = 0; c < 3; c++)
+            out[i].irradiance[c] = sun[i].strength * sun[i].colour[c];
+    }
+    return n;
 }
 
 void lights_tint(struct lights *l, const struct sky_fit *fit,

@@ -29,6 +29,16 @@ struct lights {
     float to_map[9];        // row-major: world direction -> map direction
 };
 
+// Map direction -> world direction, row-major.  Thread: any.
+void lights_rotation(const struct params *p, double m[9]);
+
+struct lights_sun {
+    double direction[3];  // towards it, world, unit
+    double irradiance[3]; // on a plane that faces it
+};
+// Those that shine; returns how many.  Thread: any.
+int lights_suns(const struct params *p, struct lights_sun out[LIGHTS_SUNS]);
+
 void lights_init(struct lights *l);
 void lights_finish(struct lights *l);
 

@@ -155,12 +155,12 @@ static void reflect(float v[3], const float n[3], float nn)
 }
 
 // Tangent at point i of a strand [a, b): central difference, as scene.glsl.
-static void tangent_at(const struct strands *s, const struct groom *g,
-                       uint32_t i, uint32_t a, uint32_t b, float out[3])
+static void tangent_at(int up, const struct groom *g, uint32_t i, uint32_t a,
+                       uint32_t b, float out[3])
 {
     float from[3], to[3];
-    place_axes(s->up, g->position + 3 * (size_t)(i > a ? i - 1 : i), from);
-    place_axes(s->up, g->position + 3 * (size_t)(i + 1 < b ? i + 1 : i), to);
+    place_axes(up, g->position + 3 * (size_t)(i > a ? i - 1 : i), from);
+    place_axes(up, g->position + 3 * (size_t)(i + 1 < b ? i + 1 : i), to);
     for (int c = 0; c < 3; c++)
         out[c] = to[c] - from[c];
     if (!normalise(out))
@@ -206,19 +206,19 @@ static uint32_t octahedral(const float v[3])
 
 // Rotation-minimising frame by double reflection (Wang, Juttler, Zheng and Liu
 // 2008): v is reflected in the chord's bisecting plane, then in the tangents'.
-static void strand_axes(const struct strands *s, const struct groom *g,
-                        uint32_t k, uint32_t *out)
+static void strand_axes(int up, const struct groom *g, uint32_t k,
+                        uint32_t *out)
 {
     uint32_t a = g->first[k], b = g->first[k + 1];
     float t0[3], v[3];
-    tangent_at(s, g, a, a, b, t0);
+    tangent_at(up, g, a, a, b, t0);
     root_axis(t0, seeded_angle(k), v);
     out[a] = octahedral(v);
     for (uint32_t i = a + 1; i < b; i++) {
         float p0[3], p1[3], chord[3], t1[3], tl[3], n2[3];
-        place_axes(s->up, g->position + 3 * (size_t)(i - 1), p0);
-        place_axes(s->up, g->position + 3 * (size_t)i, p1);
-        tangent_at(s, g, i, a, b, t1);
+        place_axes(up, g->position + 3 * (size_t)(i - 1), p0);
+        place_axes(up, g->position + 3 * (size_t)i, p1);
+        tangent_at(up, g, i, a, b, t1);
         memcpy(tl, t0, sizeof tl);
         for (int c = 0; c < 3; c++)
             chord[c] = p1[c] - p0[c];
@@ -238,14 +238,19 @@ static void strand_axes(const struct strands *s, const struct groom *g,
     }
 }
 
+void strands_axes(const struct groom *g, int up, uint32_t *axis)
+{
+    for (uint32_t k = 0; k < g->strands; k++)
+        strand_axes(up, g, k, axis);
+}
+
 bool strands_build_axis(struct strands *s, const struct groom *g,
                         struct error *err)
 {
     if (s->axis)
         return true;
     uint32_t *axis = bytes_zalloc(g->points, sizeof *axis);
-    for (uint32_t k = 0; k < g->strands; k++)
-        strand_axes(s, g, k, axis);
+    strands_axes(g, s->up, axis);
     bool ok = upload(&s->axis, axis, (size_t)g->points * 4, "strand axis", err);
     free(axis);
     s->bytes += ok ? (uint64_t)g->points * 4 : 0;

@@ -38,6 +38,8 @@ bool strands_build(struct strands *s, const struct groom *g,
 // Done only when an eccentric fibre asks for it.
 bool strands_build_axis(struct strands *s, const struct groom *g,
                         struct error *err);
+// The same without a GPU: axis[points].  Thread: any.
+void strands_axes(const struct groom *g, int up, uint32_t *axis);
 // Which of the two rasters a camera needs: some segment may be thinner or wider
 // than the threshold in pixels.  scale: pixels per (diameter / depth).
 void strands_widths(struct strands *s, const struct camera *c, float scale);
