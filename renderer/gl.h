@@ -23,6 +23,7 @@
     F(COLORMASK, ColorMask)                                                    \
     F(DEPTHMASK, DepthMask)                                                    \
     F(DEPTHFUNC, DepthFunc)                                                    \
+    F(BLENDFUNC, BlendFunc)                                                    \
     F(CLIPCONTROL, ClipControl)                                                \
     F(FINISH, Finish)                                                          \
     F(FLUSH, Flush)                                                            \
@@ -93,6 +94,7 @@
     F(DISPATCHCOMPUTE, DispatchCompute)                                        \
     F(DISPATCHCOMPUTEINDIRECT, DispatchComputeIndirect)                        \
     F(MEMORYBARRIER, MemoryBarrier)                                            \
+    F(TEXTUREBARRIER, TextureBarrier)                                          \
     F(FENCESYNC, FenceSync)                                                    \
     F(CLIENTWAITSYNC, ClientWaitSync)                                          \
     F(DELETESYNC, DeleteSync)                                                  \

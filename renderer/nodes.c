@@ -7,13 +7,13 @@
 #include "renderer/gl.h"
 #include "renderer/program.h"
 
-enum { PART_LOCATION = 0, RAYS_LOCATION = 3 };
+enum { PART_LOCATION = 0, RAYS_LOCATION = 3, PROGRAMS = 16 };
 
 void nodes_finish(struct nodes *n)
 {
     const unsigned buffers[] = {n->first.buffer, n->rest.buffer};
     gl.DeleteBuffers(2, buffers);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < PROGRAMS; i++)
         gl.DeleteProgram(n->program[i]);
     memset(n, 0, sizeof *n);
 }
@@ -49,15 +49,22 @@ static void grow(struct nodes_store *s, const struct nodes_request *q)
     s->begin = q->begin;
 }
 
-static unsigned program_of(struct nodes *n, bool rays, bool opacity,
-                           struct error *err)
+static unsigned program_of(struct nodes *n, const struct nodes_request *q,
+                           bool opacity, struct error *err)
 {
-    static const char *const defines[4] = {NULL, "SHADOW_RAYS", "WITH_OPACITY",
-                                           "SHADOW_RAYS WITH_OPACITY"};
-    int i = (rays ? 1 : 0) + (opacity ? 2 : 0);
-    if (!n->program[i])
-        n->program[i] = program_compute("shadow.comp", defines[i], err);
-    return n->program[i];
+    const bool asked[4] = {q->rays > 0, opacity, q->by_pixel, q->centres};
+    static const char *const words[4] = {"SHADOW_RAYS ", "WITH_OPACITY ",
+                                         "BY_PIXEL ", "CENTRES "};
+    char defines[64] = "";
+    int number = 0;
+    for (int i = 0; i < 4; i++)
+        if (asked[i]) {
+            strcat(defines, words[i]);
+            number += 1 << i;
+        }
+    if (!n->program[number])
+        n->program[number] = program_compute("shadow.comp", defines, err);
+    return n->program[number];
 }
 
 bool nodes_make(struct nodes *n, const struct nodes_request *q,
@@ -70,7 +77,7 @@ bool nodes_make(struct nodes *n, const struct nodes_request *q,
     if (nodes_kept(n, q->part, q->rays))
         return true;
     grow(store, q);
-    unsigned program = program_of(n, q->rays > 0, s->opacity != 0, err);
+    unsigned program = program_of(n, q, s->opacity != 0, err);
     if (!program)
         return false;
     gl.UseProgram(program);

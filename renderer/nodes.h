@@ -28,7 +28,7 @@ struct nodes_store {
 struct nodes {
     struct nodes_store first, rest;
     bool first_valid;
-    unsigned program[4]; // bit 0: rays, bit 1: opacity; compiled when asked for
+    unsigned program[16]; // bits: see nodes.c; compiled when asked for
 };
 
 struct nodes_request {
@@ -38,6 +38,8 @@ struct nodes_request {
     uint32_t places; // of those that this sample sees first: how many, and
     uint32_t begin;  // from which on
     uint64_t budget; // bytes for one of the two
+    bool by_pixel;   // the list holds pixels whose ids are bound (forward.h)
+    bool centres;    // of these: the middle of the cell that they see
 };
 
 void nodes_finish(struct nodes *n);

@@ -14,7 +14,8 @@ enum {
     HEAD_VERTICES = 96 * 48 * 6,
     DISPATCH_OFFSET = 16,
     LIST_END = 32,
-    QUADS = 16384 // a draw: as many as 16-bit indices reach
+    OPACITY_BINDING = 12, // visible.vert
+    QUADS = 16384         // a draw: as many as 16-bit indices reach
 };
 
 struct scene_std140 { // scene.glsl
@@ -203,6 +204,14 @@ void picture_forget(struct picture *p)
     p->flushed = false;
 }
 
+void picture_list(struct picture *p, int k)
+{
+    const uint32_t zero = 0;
+    gl.ClearNamedBufferData(p->counts, GL_R32UI, GL_RED_INTEGER,
+                            GL_UNSIGNED_INT, &zero);
+    p->seen = k;
+}
+
 void picture_restart(struct picture *p)
 {
     if (p->flushed)
@@ -272,55 +281,68 @@ void picture_bind(const struct picture *p)
         gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 4 + i, buffers[i]);
 }
 
-static void raster(struct picture *p, const struct strands *s)
+void picture_draw(const struct picture *p, const struct strands *s,
+                  unsigned thin, unsigned wide)
 {
-    const GLuint none[4] = {0, 0, 0, 0};
-    const GLfloat far = 0;
-    gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    gl.BindFramebuffer(GL_FRAMEBUFFER, p->target);
-    gl.Viewport(0, 0, p->width, p->height);
-    gl.ClearNamedFramebufferuiv(p->target, GL_COLOR, 0, none);
-    gl.ClearNamedFramebufferfv(p->target, GL_DEPTH, 0, &far);
-    gl.Enable(GL_DEPTH_TEST);
-    gl.DepthFunc(GL_GREATER);
     gl.BindVertexArray(p->vertices);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, s->position);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, s->strand);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, s->opacity);
-    if (s->has_head) {
-        gl.UseProgram(p->solid);
-        gl.DrawArrays(GL_TRIANGLES, 0, HEAD_VERTICES);
-    }
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, OPACITY_BINDING, s->opacity);
     const GLsizei segments = (GLsizei)s->points - 1;
     if (s->draw_thin) {
-        gl.UseProgram(p->thin);
+        gl.UseProgram(thin);
         gl.DrawArrays(GL_LINES, 0, 2 * segments);
     }
     if (s->draw_wide) {
-        gl.UseProgram(p->wide);
+        gl.UseProgram(wide);
         for (GLsizei at = 0; at < segments; at += QUADS) {
             GLsizei n = segments - at < QUADS ? segments - at : QUADS;
             gl.DrawElementsBaseVertex(GL_TRIANGLES, 6 * n, GL_UNSIGNED_SHORT,
                                       NULL, 4 * at);
         }
     }
+}
+
+bool picture_raster(struct picture *p, const struct strands *s, unsigned target,
+                    struct error *err)
+{
+    const GLuint none[4] = {0, 0, 0, 0};
+    const GLfloat far = 0;
+    const bool opacity = s->opacity != 0;
+    const bool made = p->thin && p->wide && opacity == p->opacity_variant;
+    if (!made && !rasters(p, opacity, err))
+        return false;
+    gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, target);
+    gl.Viewport(0, 0, p->width, p->height);
+    gl.ClearNamedFramebufferuiv(target, GL_COLOR, 0, none);
+    gl.ClearNamedFramebufferfv(target, GL_DEPTH, 0, &far);
+    gl.Enable(GL_DEPTH_TEST);
+    gl.DepthFunc(GL_GREATER);
+    if (s->has_head) {
+        gl.BindVertexArray(p->vertices);
+        gl.UseProgram(p->solid);
+        gl.DrawArrays(GL_TRIANGLES, 0, HEAD_VERTICES);
+    }
+    picture_draw(p, s, p->thin, p->wide);
     gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
+    // Read next.  GL orders that by itself, but Mesa's llvmpipe can let a
+    // dispatch begin to read what is still being drawn.
+    gl.TextureBarrier();
+    return true;
 }
 
 bool picture_see(struct picture *p, const struct strands *s, int k,
                  struct error *err)
 {
-    const bool opacity = s->opacity != 0;
-    const bool made = p->thin && p->wide && opacity == p->opacity_variant;
-    if (!made && !rasters(p, opacity, err))
-        return false;
     const uint64_t pixels = (uint64_t)p->width * (uint64_t)p->height;
     if (k >= p->seen && p->listed + pixels > p->slots / 2) {
         picture_forget(p); // full: begin anew; what is summed is summed
         p->flushed = true;
         p->seen = k;
     }
-    raster(p, s);
+    if (!picture_raster(p, s, p->target, err))
+        return false;
     picture_bind(p);
     gl.BindTextureUnit(0, p->id);
     gl.UseProgram(p->cells);

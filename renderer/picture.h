@@ -73,6 +73,17 @@ void picture_dispatch(const struct picture *p);
 void picture_dispatch_some(const struct picture *p, uint32_t cells);
 void picture_dispatch_lights(const struct picture *p, uint32_t cells,
                              int lights);
+// What picture_see begins with: ids and depths of head and strands into a
+// framebuffer of that kind and size.  The scene block is bound.
+bool picture_raster(struct picture *p, const struct strands *s, unsigned target,
+                    struct error *err);
+// Draws the strands once more, with programs that begin with visible.vert
+// (wide: with WIDE), into the framebuffer that is bound.
+void picture_draw(const struct picture *p, const struct strands *s,
+                  unsigned thin, unsigned wide);
+// For a list of something else than cells: empties it and makes picture_prepare
+// close it as the part of sample k.
+void picture_list(struct picture *p, int k);
 void picture_add(struct picture *p); // adds sample k, as prepared
 // Binds the sums for display_draw.
 void picture_bind(const struct picture *p);

@@ -90,6 +90,7 @@ void renderer_destroy(struct renderer *r)
         egl_use(r->egl);
         layers_drop(&r->layers);
         picture_finish(&r->picture);
+        forward_finish(&r->forward);
         display_finish(&r->display);
         shading_finish(&r->shading);
         crossings_finish(&r->crossings);
@@ -190,6 +191,10 @@ bool renderer_layers_on(struct renderer *r, struct error *err)
         return error_set(err, "state", name,
                          "layers: %s is %.*s; only of all are there parts",
                          name, (int)word.size, (const char *)word.data);
+    if (r->params.render.path == RENDERER_FORWARD)
+        return error_set(err, "state", "render.path",
+                         "layers: render.path is forward; only direct shading "
+                         "makes parts beside the whole");
     egl_use(r->egl);
     r->layers.on = true;
     restart(r, r->refined);

@@ -57,6 +57,7 @@ struct renderer_stats {
     float diameter;          // in use, file units (see hair.diameter)
     int up;                  // 0, 1, 2: the axis taken as up (see hair.up)
     float eye[3], target[3]; // in use, world (see camera.eye = auto)
+    const char *path;        // that drew it: a word of render.path
     uint64_t memory_strands, memory_targets, memory_cache; // bytes
     uint64_t memory_shadow;
     struct sky_fit fit;

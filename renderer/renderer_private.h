@@ -9,6 +9,7 @@
 #include "renderer/camera.h"
 #include "renderer/crossings.h"
 #include "renderer/display.h"
+#include "renderer/forward.h"
 #include "renderer/layers.h"
 #include "renderer/lights.h"
 #include "renderer/nodes.h"
@@ -34,9 +35,12 @@ struct renderer {
     int grid_resolution, grid_memory_mb, directions_quality; // made for
     bool directions_stale; // lights stand elsewhere than swept for
     struct nodes nodes;
+    int path;              // render.path that picture and nodes were made for
+    uint64_t nodes_budget; // bytes; 0: half of quality.cache_mb; set by tests
     struct shading shading;
     struct picture picture;
     struct layers layers;
+    struct forward forward;
     struct display display;
     struct camera camera;
     struct timer timer;
@@ -49,6 +53,8 @@ struct renderer {
 
 // Marks a stage and all that come after it.
 void renderer_mark(struct renderer *r, enum renderer_stage first);
+// The words of render.path.
+enum { RENDERER_DIRECT, RENDERER_FORWARD };
 // True when shadows are asked for and there is light to be shadowed.
 bool renderer_shadowed(const struct renderer *r);
 // Rays for each light and place of a refined picture; 0 where none are asked

@@ -56,6 +56,8 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
 
 void renderer_stats(const struct renderer *r, struct renderer_stats *out)
 {
+    static const char *const paths[] = {
+        [RENDERER_DIRECT] = "direct", [RENDERER_FORWARD] = "forward"};
     *out = r->stats;
     out->samples = r->samples;
     out->samples_wanted = r->params.quality.samples;
@@ -66,7 +68,8 @@ void renderer_stats(const struct renderer *r, struct renderer_stats *out)
     memcpy(out->eye, r->camera.eye, sizeof out->eye);
     memcpy(out->target, r->camera.target, sizeof out->target);
     out->memory_strands = r->strands.bytes;
-    out->memory_targets = r->picture.target_bytes;
+    out->memory_targets = r->picture.target_bytes + r->forward.bytes;
+    out->path = paths[r->path];
     out->memory_cache = r->picture.cache_bytes;
     out->refined = r->refined;
     if (r->shading.shadowed) {

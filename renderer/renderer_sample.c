@@ -91,12 +91,29 @@ static bool shade_layers(struct renderer *r, int k,
     return ok;
 }
 
+static bool shade_fragments(struct renderer *r, int k,
+                            const struct nodes_store *nodes, struct error *err)
+{
+    const struct forward_pass pass = {
+        .picture = &r->picture,
+        .shading = &r->shading,
+        .strands = &r->strands,
+        .nodes = nodes,
+        .lights = r->lights.used,
+    };
+    return forward_shade(&r->forward, &pass, k, err);
+}
+
 static bool shade(struct renderer *r, int k, const struct nodes_store *nodes,
                   struct error *err)
 {
     timer_begin(&r->timer, RENDERER_SHADE, "shade");
-    bool ok = shade_shown(r, k, nodes, err) &&
-              (!r->layers.on || shade_layers(r, k, nodes, err));
+    bool ok;
+    if (r->path == RENDERER_FORWARD)
+        ok = shade_fragments(r, k, nodes, err);
+    else
+        ok = shade_shown(r, k, nodes, err) &&
+             (!r->layers.on || shade_layers(r, k, nodes, err));
     timer_end(&r->timer, RENDERER_SHADE);
     return ok;
 }
@@ -113,6 +130,16 @@ static bool add_layers(struct renderer *r, struct error *err)
     }
     picture_bind(&r->picture);
     return true;
+}
+
+// The fragments that sample k sees become the picture's list.
+static void list_fragments(struct renderer *r, int k)
+{
+    forward_bind(&r->forward, &r->picture, k);
+    if (!forward_list(&r->forward, &r->picture, k))
+        return;
+    r->nodes.first_valid &= k > 0; // they go by other numbers
+    picture_prepare(&r->picture, k);
 }
 
 // The shadow stage, what of the lights reaches the places of a request, and
@@ -139,11 +166,17 @@ static bool shadow_and_shade(struct renderer *r, int k, struct error *err)
         .part = k,
         .rays = r->refined ? renderer_rays(r) : 0,
         .lights = r->lights.used,
-        .budget = ((uint64_t)r->params.quality.cache_mb << 20) / 2,
+        .budget = r->nodes_budget
+                      ? r->nodes_budget
+                      : ((uint64_t)r->params.quality.cache_mb << 20) / 2,
+        .by_pixel = r->path == RENDERER_FORWARD,
+        .centres = r->forward.centres,
     };
     crossings_bind(&r->crossings, &r->strands);
     if (nodes_kept(&r->nodes, k, q.rays))
         return shadow(r, &q, err);
+    if (q.by_pixel)
+        list_fragments(r, k);
     if (!wait_for_gpu("visible", err)) // how many places there are
         return false;
     const uint32_t all = picture_counters(&r->picture);
@@ -162,30 +195,66 @@ static bool shadow_and_shade(struct renderer *r, int k, struct error *err)
     return true;
 }
 
+// What sample k sees, as cells or as fragments, ready to be shaded.
+static bool see(struct renderer *r, int k, struct error *err)
+{
+    const bool forward = r->path == RENDERER_FORWARD;
+    struct picture *p = &r->picture;
+    bool seen = true;
+    if (forward ? forward_must_see(&r->forward, p, k)
+                : picture_must_see(p, k)) {
+        timer_begin(&r->timer, RENDERER_VISIBLE, "visible");
+        if (forward)
+            seen = forward_see(&r->forward, p, &r->strands, k, err);
+        else
+            seen = picture_see(p, &r->strands, k, err);
+        if (seen && forward)
+            list_fragments(r, k);
+        timer_end(&r->timer, RENDERER_VISIBLE);
+    }
+    if (seen && forward)
+        forward_bind(&r->forward, p, k);
+    else if (seen)
+        picture_prepare(p, k);
+    return seen;
+}
+
+static bool resolve(struct renderer *r, struct error *err)
+{
+    bool ok = true;
+    timer_begin(&r->timer, RENDERER_RESOLVE, "resolve");
+    if (r->path == RENDERER_FORWARD) {
+        forward_add(&r->forward, &r->picture);
+    } else {
+        picture_add(&r->picture);
+        ok = !r->layers.on || add_layers(r, err);
+    }
+    timer_end(&r->timer, RENDERER_RESOLVE);
+    return ok;
+}
+
+static uint32_t places_seen(struct renderer *r, int k)
+{
+    struct forward *f = &r->forward;
+    const uint32_t listed = picture_counters(&r->picture);
+    if (r->path != RENDERER_FORWARD || k > 0)
+        return listed;
+    if (f->listed == 0)
+        f->first_places = listed; // else the list is another sample's
+    return f->first_places;
+}
+
 bool renderer_sample(struct renderer *r, struct error *err)
 {
     const int k = r->samples;
-    struct timer *t = &r->timer;
     bind_scene(r, k);
-    if (picture_must_see(&r->picture, k)) {
-        timer_begin(t, RENDERER_VISIBLE, "visible");
-        bool seen = picture_see(&r->picture, &r->strands, k, err);
-        timer_end(t, RENDERER_VISIBLE);
-        if (!seen)
-            return false;
-    }
-    picture_prepare(&r->picture, k);
-    if (!(renderer_shadowed(r) ? shadow_and_shade(r, k, err)
-                               : shade(r, k, NULL, err)))
+    if (!see(r, k, err) ||
+        !(renderer_shadowed(r) ? shadow_and_shade(r, k, err)
+                               : shade(r, k, NULL, err)) ||
+        !resolve(r, err) || !wait_for_gpu("sample", err))
         return false;
-    timer_begin(t, RENDERER_RESOLVE, "resolve");
-    picture_add(&r->picture);
-    bool added = !r->layers.on || add_layers(r, err);
-    timer_end(t, RENDERER_RESOLVE);
-    if (!added || !wait_for_gpu("sample", err))
-        return false;
-    timer_collect(t, r->stats.stage_ms, RENDERER_STAGES);
-    r->stats.visible_points = picture_counters(&r->picture);
+    timer_collect(&r->timer, r->stats.stage_ms, RENDERER_STAGES);
+    r->stats.visible_points = places_seen(r, k);
     r->samples = k + 1;
     r->stale[RENDERER_SHADOW] = r->stale[RENDERER_SHADE] = false;
     r->stale[RENDERER_RESOLVE] = false;

@@ -118,8 +118,21 @@ bool renderer_setup_crossings(struct renderer *r, struct error *err)
     return true;
 }
 
+// Ways of drawing share lists and maps, but not what is in them.
+static void choose_path(struct renderer *r)
+{
+    if (r->path == r->params.render.path)
+        return;
+    r->path = r->params.render.path;
+    r->nodes.first_valid = false;
+    if (r->picture.width > 0)
+        picture_forget(&r->picture);
+    forward_drop(&r->forward);
+}
+
 bool renderer_setup_fibre(struct renderer *r, struct error *err)
 {
+    choose_path(r);
     if (shading_wants_axis(&r->params) &&
         !strands_build_axis(&r->strands, r->groom, err))
         return false;
@@ -132,14 +145,17 @@ bool renderer_setup_visible(struct renderer *r, struct error *err)
     const struct params *p = &r->params;
     struct picture *pic = &r->picture;
     r->nodes.first_valid = false;
+    forward_forget(&r->forward);
     camera_resolve(p, r->strands.box_min, r->strands.box_max, &r->camera);
     strands_widths(&r->strands, &r->camera,
                    0.5f * (float)p->image.height / r->camera.tan_half);
     bool same = pic->width == p->image.width &&
                 pic->height == p->image.height && pic->slots > 0 &&
                 pic->cache_mb == p->quality.cache_mb;
-    if (!same)
+    if (!same) {
+        forward_drop(&r->forward);
         return picture_resize(pic, p, err);
+    }
     picture_forget(pic);
     return true;
 }

@@ -119,6 +119,7 @@ static void choose_components(struct shading *s, int shown)
         s->mask[i] = shown == 0 || shown == LAST_SINGLE || shown == i + 1;
     s->share[0] = shown == 0 || shown == LAST_SINGLE + 1;
     s->share[1] = shown == 0 || shown == LAST_SINGLE + 2;
+    s->adds_up = shown <= LAST_LIGHT;
 }
 
 static void update_dual(struct shading *s, const struct params *p)
@@ -194,22 +195,21 @@ static unsigned program_of(struct shading *s, const char *defines,
     return program;
 }
 
-bool shading_bind(struct shading *s, const struct strands *strands,
-                  const struct shading_sample *how, struct error *err)
+void shading_defines(const struct shading *s, const struct nodes_store *nodes,
+                     char out[SHADING_DEFINES])
 {
-    char defines[SHADING_DEFINES];
-    snprintf(defines, sizeof defines, "%s", s->base);
-    const struct nodes_store *nodes = s->shadowed ? how->nodes : NULL;
-    if (nodes)
-        add(defines, "SHADOW_STORED");
-    unsigned program = program_of(s, defines, err);
-    if (!program)
-        return false;
-    gl.UseProgram(program);
-    gl.ProgramUniform1ui(program, PART_LOCATION, (GLuint)how->part);
+    snprintf(out, SHADING_DEFINES, "%s", s->base);
+    if (s->shadowed && nodes)
+        add(out, "SHADOW_STORED");
+}
+
+void shading_bind_inputs(struct shading *s, unsigned program,
+                         const struct strands *strands,
+                         const struct nodes_store *nodes)
+{
     if (s->m)
         gl.ProgramUniform1i(program, XU_M_LOCATION, s->m);
-    if (nodes) {
+    if (s->shadowed && nodes) {
         gl.ProgramUniform1ui(program, NODES_STRIDE_LOCATION, nodes->stride);
         gl.ProgramUniform1ui(program, NODES_BEGIN_LOCATION, nodes->begin);
         gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, NODES_BINDING,
@@ -223,5 +223,18 @@ bool shading_bind(struct shading *s, const struct strands *strands,
     xu_tables_bind(s->tables);
     if (s->multiple)
         dual_tables_bind(s->dual);
+}
+
+bool shading_bind(struct shading *s, const struct strands *strands,
+                  const struct shading_sample *how, struct error *err)
+{
+    char defines[SHADING_DEFINES];
+    shading_defines(s, how->nodes, defines);
+    unsigned program = program_of(s, defines, err);
+    if (!program)
+        return false;
+    gl.UseProgram(program);
+    gl.ProgramUniform1ui(program, PART_LOCATION, (GLuint)how->part);
+    shading_bind_inputs(s, program, strands, how->nodes);
     return true;
 }

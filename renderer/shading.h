@@ -33,6 +33,7 @@ struct shading {
     double opaque_bound; // what leaving TT and TRT out can change, of R
     float mask[3];       // R, TT, TRT shown
     float share[2];      // global, local multiple scattering shown
+    bool adds_up;        // what is shown is a sum over lights
 };
 
 void shading_init(struct shading *s);
@@ -57,5 +58,14 @@ struct shading_sample {
 // picture_dispatch.
 bool shading_bind(struct shading *s, const struct strands *strands,
                   const struct shading_sample *how, struct error *err);
+
+// For another program that includes shade.glsl: what to define (nodes: NULL
+// where transmittances are looked up), and, once it is made, all that
+// shading_bind binds and sets but the program itself and the list's part.
+void shading_defines(const struct shading *s, const struct nodes_store *nodes,
+                     char out[SHADING_DEFINES]);
+void shading_bind_inputs(struct shading *s, unsigned program,
+                         const struct strands *strands,
+                         const struct nodes_store *nodes);
 
 #endif

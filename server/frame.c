@@ -50,6 +50,7 @@ void frame_put(struct json *j, const struct studio_frame *f,
     json_put_string(j, "level", f->final ? "final" : "full");
     json_put_bool(j, "final", f->final);
     json_put_int(j, "samples", f->samples);
+    json_put_string(j, "path", f->path);
     frame_put_ms(j, "render_ms", f->render_ms);
     frame_put_ms(j, "encode_ms", f->encode_ms);
     json_put_int(j, "received_us", f->received_us);

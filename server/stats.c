@@ -80,6 +80,7 @@ static void put_picture(struct json *j, const struct engine_stats *e)
     static const char *const axes[] = {"x", "y", "z"};
     json_put_int(j, "samples", r->samples);
     json_put_int(j, "samples_wanted", r->samples_wanted);
+    json_put_string(j, "path", r->path);
     json_put_int(j, "visible_points", r->visible_points);
     json_put_int(j, "lights_used", r->lights_used);
     json_put_int(j, "lights_fitted", r->lights_fitted);

@@ -166,15 +166,16 @@ static struct still_encoding resolve(const struct still_encoding *how,
     return e;
 }
 
-static void stages(const struct studio *s, double ms[RENDERER_STAGES])
+static void stages(const struct studio *s, struct studio_frame *f)
 {
     struct renderer_stats stats;
     renderer_stats(s->renderer, &stats);
     for (int i = 0; i < RENDERER_STAGES; i++) {
         // Without a step since the last frame only these ran.
         bool ran = s->stepped || i == RENDERER_DISPLAY || i == RENDERER_READ;
-        ms[i] = ran ? stats.stage_ms[i] : -1;
+        f->stage_ms[i] = ran ? stats.stage_ms[i] : -1;
     }
+    f->path = stats.path;
 }
 
 static bool make(struct studio *s, struct still_request *q,
@@ -191,7 +192,7 @@ static bool make(struct studio *s, struct still_request *q,
         f->final = s->done;
         f->render_ms = s->render_ms;
         f->encode_ms = q->encode_ms;
-        stages(s, f->stage_ms);
+        stages(s, f);
     }
     buf_finish(&bytes);
     return ok;

@@ -50,6 +50,7 @@ struct studio_frame {
     bool final, hasty;
     double render_ms; // rendering since the frame before
     double encode_ms;
+    const char *path;                 // that drew it: a word of render.path
     double stage_ms[RENDERER_STAGES]; // < 0: did not run for this frame
     int64_t received_us;
 };

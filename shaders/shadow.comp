@@ -7,6 +7,9 @@
 #include "shadow.glsl"
 #include "place.glsl"
 #include "nodes.glsl"
+#ifdef BY_PIXEL
+#include "fragment.glsl"
+#endif
 layout(local_size_x = 64) in;
 layout(location = 0) uniform uint kept;
 #ifdef SHADOW_RAYS
@@ -21,7 +24,13 @@ void main()
     uint light = gl_WorkGroupID.y;
     if (i >= nodes_stride || at >= list_end[kept])
         return;
+#ifdef BY_PIXEL
+    uint pixel = list[at], wide = uint(size.x);
+    Place c = place_of_id(texelFetch(ids, ivec2(pixel % wide, pixel / wide), 0)
+                              .xy);
+#else
     Place c = place_of(list[at]);
+#endif
 #ifdef SHADOW_RAYS
     uvec2 g = shadow_nodes_rays(light, c.p, c.u, c.segment, c.key, rays);
 #else

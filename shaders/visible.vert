@@ -6,12 +6,14 @@
 #include "keep.glsl"
 
 #ifdef WITH_OPACITY
-layout(std430, binding = 2) readonly buffer Opacity { float opacity_of[]; };
+layout(std430, binding = 12) readonly buffer Opacity { float opacity_of[]; };
 float opacity_at(uint i) { return opacity_of[i]; }
 #else
 float opacity_at(uint i) { return hair_colour.w; }
 #endif
 
+// The forward passes (forward.frag) meet the depths that the ids were drawn with.
+invariant gl_Position;
 out float along;         // 0..1 on the segment
 out float keep;          // share of the samples that keep the fragment
 flat out float drawn;    // this strand's number in this sample: kept if below
