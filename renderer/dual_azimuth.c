@@ -124,6 +124,36 @@ static double forward(const struct dual_azimuth *z, double phi)
     return fmin(fmax(0.5 - 4 / (pi * pi) * sum, 0), 1);
 }
 
+void dual_azimuth_cosines(const struct dual_azimuth *z, double cos_d, int count,
+                          double (*out)[DUAL_CHANNELS])
+{
+    memset(out, 0, (size_t)count * sizeof *out);
+    for (int i = 0; i < GAMMAS; i++) {
+        struct ray r = trace(z, cos_d, i);
+        double now[3], before[3], twice[3];
+        for (int t = 0; t < 3; t++) {
+            now[t] = 1;
+            before[t] = cos(r.phi[t]);
+            twice[t] = 2 * before[t];
+        }
+        for (int n = 0; n < count; n++) {
+            out[n][DUAL_R] += r.part[DUAL_R] * now[0];
+            for (int k = DUAL_TT; k < DUAL_TRT; k++)
+                out[n][k] += r.part[k] * now[1];
+            for (int k = DUAL_TRT; k < DUAL_CHANNELS; k++)
+                out[n][k] += r.part[k] * now[2];
+            for (int t = 0; t < 3; t++) {
+                double next = twice[t] * now[t] - before[t];
+                before[t] = now[t];
+                now[t] = next;
+            }
+        }
+    }
+    for (int n = 0; n < count; n++)
+        for (int k = 0; k < DUAL_CHANNELS; k++)
+            out[n][k] *= (n ? 2 : 1) / (2 * pi);
+}
+
 void dual_azimuth_energy(const struct dual_azimuth *z, double cos_d,
                          struct dual_energy *out)
 {

@@ -62,6 +62,12 @@ struct dual_azimuth { // private; some 3 KB
 void dual_azimuth_init(struct dual_azimuth *z, const struct dual_fibre *f);
 void dual_azimuth_energy(const struct dual_azimuth *z, double cos_d,
                          struct dual_energy *out);
+// out[n][channel] of N_t(phi) = sum_n out cos(n phi), n < count <= 64, TRT's
+// not smoothed; TT's and TRT's divided by cos^2 theta_d.  Up to n = 64 the 64
+// nodes in gamma resolve what they sum (phi turns by 2 radians a radian at
+// most).
+void dual_azimuth_cosines(const struct dual_azimuth *z, double cos_d, int count,
+                          double (*out)[DUAL_CHANNELS]);
 void dual_azimuth_series(const struct dual_azimuth *z, struct dual_series *out);
 
 // The factor by which TRT's series is smooth: Fresnel's F, about.

@@ -35,7 +35,7 @@ struct renderer {
     int grid_resolution, grid_memory_mb, directions_quality; // made for
     bool directions_stale; // lights stand elsewhere than swept for
     struct nodes nodes;
-    int path;              // render.path that picture and nodes were made for
+    int path; // that picture and nodes were made for: forward or direct
     uint64_t nodes_budget; // bytes; 0: half of quality.cache_mb; set by tests
     struct shading shading;
     struct picture picture;
@@ -54,7 +54,7 @@ struct renderer {
 // Marks a stage and all that come after it.
 void renderer_mark(struct renderer *r, enum renderer_stage first);
 // The words of render.path.
-enum { RENDERER_DIRECT, RENDERER_FORWARD };
+enum { RENDERER_DIRECT, RENDERER_FORWARD, RENDERER_TABLE };
 // True when shadows are asked for and there is light to be shadowed.
 bool renderer_shadowed(const struct renderer *r);
 // Rays for each light and place of a refined picture; 0 where none are asked

@@ -41,6 +41,10 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
         leave_out(s, "multiple", 0,
                   "render.multiple or shadows are off, or a part is shown that "
                   "has none");
+    if (r->shading.refused) {
+        snprintf(why, sizeof why, "%s: lit directly", r->shading.refused);
+        leave_out(s, "tables", 0, why);
+    }
     if (!r->strands.opacity && r->strands.plain_colour[3] >= 1)
         leave_out(s, "opacity", 0,
                   "hair.use_opacity is off or the file has none");
@@ -56,8 +60,9 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
 
 void renderer_stats(const struct renderer *r, struct renderer_stats *out)
 {
-    static const char *const paths[] = {
-        [RENDERER_DIRECT] = "direct", [RENDERER_FORWARD] = "forward"};
+    static const char *const paths[] = {[RENDERER_DIRECT] = "direct",
+                                        [RENDERER_FORWARD] = "forward",
+                                        [RENDERER_TABLE] = "table"};
     *out = r->stats;
     out->samples = r->samples;
     out->samples_wanted = r->params.quality.samples;
@@ -69,7 +74,7 @@ void renderer_stats(const struct renderer *r, struct renderer_stats *out)
     memcpy(out->target, r->camera.target, sizeof out->target);
     out->memory_strands = r->strands.bytes;
     out->memory_targets = r->picture.target_bytes + r->forward.bytes;
-    out->path = paths[r->path];
+    out->path = paths[r->shading.tabled ? RENDERER_TABLE : r->path];
     out->memory_cache = r->picture.cache_bytes;
     out->refined = r->refined;
     if (r->shading.shadowed) {

@@ -121,9 +121,11 @@ bool renderer_setup_crossings(struct renderer *r, struct error *err)
 // Ways of drawing share lists and maps, but not what is in them.
 static void choose_path(struct renderer *r)
 {
-    if (r->path == r->params.render.path)
+    const bool forward = r->params.render.path == RENDERER_FORWARD;
+    const int path = forward ? RENDERER_FORWARD : RENDERER_DIRECT;
+    if (r->path == path) // tables light the cells of direct shading
         return;
-    r->path = r->params.render.path;
+    r->path = path;
     r->nodes.first_valid = false;
     if (r->picture.width > 0)
         picture_forget(&r->picture);

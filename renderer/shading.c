@@ -38,6 +38,7 @@ void shading_finish(struct shading *s)
     gl.DeleteBuffers(1, &s->params);
     xu_tables_destroy(s->tables);
     dual_tables_destroy(s->dual);
+    fast_tables_destroy(s->fast);
     memset(s, 0, sizeof *s);
 }
 
@@ -93,6 +94,8 @@ static void name_base(struct shading *s, const struct params *p,
         add(s->base, "XU_FINE_NODES");
     if (!s->circular)
         add(s->base, "XU_ECCENTRIC");
+    if (s->tabled)
+        add(s->base, "FAST");
     if (s->opaque)
         add(s->base, "XU_NO_TT_TRT");
     if (strands->colour)
@@ -122,12 +125,12 @@ static void choose_components(struct shading *s, int shown)
     s->adds_up = shown <= LAST_LIGHT;
 }
 
-static void update_dual(struct shading *s, const struct params *p)
+static struct dual_fibre fibre_of(const struct params *p)
 {
     struct params r = *p;
     params_fibre_resolve(&r);
     const double rad = M_PI / 180;
-    const struct dual_fibre f = {
+    return (struct dual_fibre){
         .eta = r.fibre.eta,
         .sigma_a = {r.fibre.sigma_a[0], r.fibre.sigma_a[1], r.fibre.sigma_a[2]},
         .a = r.fibre.a,
@@ -138,11 +141,37 @@ static void update_dual(struct shading *s, const struct params *p)
         .w_c = r.fibre.w_c * rad,
         .delta_eta = r.fibre.delta_eta,
     };
+}
+
+static void update_dual(struct shading *s, const struct params *p)
+{
+    const struct dual_fibre f = fibre_of(p);
     if (!s->dual)
         s->dual = dual_tables_create();
     dual_tables_update(s->dual, &f,
                        p->render.multiple == 1 ? DUAL_SCHEME_PAPER
                                                : DUAL_SCHEME_BEST);
+}
+
+// Do tables light this scene?  They know no other multiple scattering than
+// `best`.
+static void choose_path(struct shading *s, const struct params *p)
+{
+    const struct dual_fibre f = fibre_of(p);
+    const bool asked = p->render.path == 2; // direct, forward, table
+    s->refused = NULL;
+    if (asked)
+        s->refused = p->render.multiple == 1 ? "render.multiple is paper"
+                                             : fast_tables_refuse(&f);
+    s->tabled = asked && !s->refused;
+}
+
+static void update_fast(struct shading *s, const struct params *p)
+{
+    const struct dual_fibre f = fibre_of(p);
+    if (!s->fast)
+        s->fast = fast_tables_create();
+    fast_tables_update(s->fast, &f);
 }
 
 void shading_show(struct shading *s, const struct params *p,
@@ -152,6 +181,7 @@ void shading_show(struct shading *s, const struct params *p,
     // light that others scattered is known only where what they block is
     s->multiple = s->shadowed && p->render.multiple > 0 &&
                   (s->share[0] > 0 || s->share[1] > 0);
+    choose_path(s, p);
     name_base(s, p, strands, components);
 }
 
@@ -162,6 +192,8 @@ void shading_update(struct shading *s, const struct params *p,
     shading_show(s, p, strands, p->render.components);
     if (s->multiple)
         update_dual(s, p);
+    if (s->tabled)
+        update_fast(s, p);
     if (!s->tables || s->tables->times != p->render.tables) {
         xu_tables_destroy(s->tables);
         s->tables = xu_tables_create(p->render.tables);
@@ -231,7 +263,7 @@ bool shading_bind(struct shading *s, const struct strands *strands,
     char defines[SHADING_DEFINES];
     shading_defines(s, how->nodes, defines);
     unsigned program = program_of(s, defines, err);
-    if (!program)
+    if (!program || (s->tabled && !fast_tables_bind(s->fast, err)))
         return false;
     gl.UseProgram(program);
     gl.ProgramUniform1ui(program, PART_LOCATION, (GLuint)how->part);

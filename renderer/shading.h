@@ -9,6 +9,7 @@
 #include "protocol/error.h"
 #include "protocol/params.h"
 #include "renderer/dual_tables.h"
+#include "renderer/fast_tables.h"
 #include "renderer/nodes.h"
 #include "renderer/strands.h"
 #include "renderer/xu_tables.h"
@@ -29,7 +30,10 @@ struct shading {
     struct xu_tables *tables;
     int m; // segments, where the program has them as a uniform
     struct dual_tables *dual; // made when it is first asked for
+    struct fast_tables *fast; // the same
+    const char *refused;      // why tables were asked for in vain, or NULL
     bool circular, opaque, shadowed, multiple;
+    bool tabled;         // render.path=table, and the tables hold
     double opaque_bound; // what leaving TT and TRT out can change, of R
     float mask[3];       // R, TT, TRT shown
     float share[2];      // global, local multiple scattering shown

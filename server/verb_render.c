@@ -88,6 +88,7 @@ static void report(const struct renderer *r, const double *total_ms,
     struct renderer_stats s;
     renderer_stats(r, &s);
     printf("device %s\n", renderer_device(r));
+    printf("path %s\n", s.path);
     printf("samples %d, lights %d of %d, first sample shaded points %u\n",
            s.samples, s.lights_used, s.lights_fitted, s.visible_points);
     printf("stage ms of all samples:");

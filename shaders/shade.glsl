@@ -20,6 +20,15 @@
 #ifdef WITH_MULTIPLE
 #include "dual.glsl"
 #endif
+#ifdef FAST
+#include "fast.glsl"
+#define SINGLE_MODES fast_modes
+#define MULTIPLE_MODES fast_multiple
+#else
+#define SINGLE_MODES xu_modes
+#define MULTIPLE_MODES(f, v, l, phi_o, sigma_f, g, l0, l1)                     \
+    dual_modes(f, v, l, phi_o, sigma_f, vec3(1.0), g, l0, l1)
+#endif
 
 #ifdef WITH_COLOUR
 layout(std430, binding = 2) readonly buffer Colour { vec4 colour_of[]; };
@@ -125,8 +134,7 @@ vec3 scattered(Fibre fibre, DualView view, Srbf light, float phi_o, vec4 g,
     vec3 sigma_f =
         sqrt(light.lambda * light.lambda + 8.0 * at.betabar2_f * crossed);
     vec3 global, local, near;
-    dual_modes(fibre, view, light, phi_o, sigma_f, vec3(1.0), global, local,
-               near);
+    MULTIPLE_MODES(fibre, view, light, phi_o, sigma_f, global, local, near);
     float clear = shadow_clear(g), glow = share.y * fibre_d_b;
     vec3 forward = fibre_d_f * omega * max(through - clear, 0.0);
     return clear * glow * near + forward * (share.x * global + glow * local);
@@ -152,7 +160,7 @@ vec3 shade(Place c, uint at, uint first, uint end)
         vec4 g = nodes_of(j, c, at);
         vec3 r, tt, trt, seen = vec3(0.0);
 #ifdef WITH_SINGLE
-        xu_modes(fibre, light, theta_o, phi_o, r, tt, trt);
+        SINGLE_MODES(fibre, light, theta_o, phi_o, r, tt, trt);
         seen = shadow_clear(g) * (mask.x * r + mask.y * tt + mask.z * trt);
 #endif
 #ifdef WITH_MULTIPLE

@@ -1,0 +1,207 @@
+// fast_tables.c - coefficients on the CPU, dispatches and buffers of the
+// tables. What a ray does in a cross section is dual_azimuth.c's affair, what a
+// cell holds, shaders/fast_pack.comp's.
+#include "renderer/fast_tables.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "protocol/bytes.h"
+#include "renderer/gl.h"
+#include "renderer/program.h"
+
+static const double pi = 3.14159265358979323846;
+
+enum {
+    D = FAST_TABLES_D,
+    L = FAST_TABLES_L,
+    P = FAST_TABLES_P,
+    TERMS = FAST_TABLES_TERMS,
+    TERMS_LOCATION = 0,
+    CELL_BYTES = 5 * 16, // TT and TRT two uvec4, R one
+    VALUE_BYTES = 2 * 16
+};
+
+enum { COEFFICIENTS, FACTORS, COSINES, VALUES, CELLS, BUFFERS };
+// Those that the shading binds anew in any case.
+static const unsigned binding[BUFFERS] = {0, 1, 2, 3, 15};
+
+struct fast_tables {
+    float coefficient[D * TERMS][8]; // [theta_d][n]: TT, R; TRT, 0
+    int terms;
+    bool stale;
+    unsigned buffer[BUFFERS], texture; // 0 until bound for the first time
+    unsigned values, pack;             // programs
+};
+
+const char *fast_tables_refuse(const struct dual_fibre *f)
+{
+    // Of the last of 64 coefficients exp(-(n w_c)^2 / 4) is left: 1e-3.
+    if (f->w_c < 0.082)
+        return "fibre.w_c is below 4.7 degrees";
+    return f->a == 1 ? NULL : "fibre.a is not 1";
+}
+
+struct fast_tables *fast_tables_create(void)
+{
+    return bytes_zalloc(1, sizeof(struct fast_tables));
+}
+
+// Miller's downward recurrence, normalised by I_0 + 2 sum I_n = e^kappa.
+void fast_tables_bessel(double kappa, int count, double *out)
+{
+    int from = count + 40 + (int)sqrt(80 * kappa);
+    double next = 0, now = 1e-280, sum = 0;
+    for (int n = from; n >= 0; n--) {
+        if (n < count)
+            out[n] = now;
+        sum += n ? 2 * now : now;
+        double before = next + 2 * n / kappa * now;
+        next = now;
+        now = before;
+        if (now > 1e200) { // keep within range
+            for (int k = n; k < count; k++)
+                out[k] *= 1e-200;
+            now *= 1e-200;
+            next *= 1e-200;
+            sum *= 1e-200;
+        }
+    }
+    for (int n = 0; n < count; n++)
+        out[n] /= sum;
+}
+
+void fast_tables_update(struct fast_tables *t, const struct dual_fibre *f)
+{
+    struct dual_azimuth z;
+    double smooth[TERMS], c[TERMS][DUAL_CHANNELS];
+    dual_azimuth_init(&z, f);
+    t->terms = f->w_c < 0.11 ? TERMS : 48;
+    fast_tables_bessel(2 / (f->w_c * f->w_c), t->terms, smooth);
+    for (int d = 0; d < D; d++) {
+        dual_azimuth_cosines(&z, cos(pi / 2 * (d + 0.5) / D), t->terms, c);
+        for (int n = 0; n < t->terms; n++) {
+            float *to = t->coefficient[d * t->terms + n];
+            for (int k = 0; k < 3; k++) {
+                to[k] = (float)c[n][DUAL_TT + k];
+                to[4 + k] = (float)(c[n][DUAL_TRT + k] * smooth[n] / smooth[0]);
+            }
+            to[3] = (float)c[n][DUAL_R];
+            to[7] = 0;
+        }
+    }
+    t->stale = true;
+}
+
+// --- on the device ----------------------------------------------------------
+static unsigned make(size_t bytes, const void *data, const char *name)
+{
+    unsigned b = 0;
+    gl.CreateBuffers(1, &b);
+    gl.NamedBufferStorage(b, (GLsizeiptr)bytes, data,
+                          data ? 0 : GL_DYNAMIC_STORAGE_BIT);
+    gl.ObjectLabel(GL_BUFFER, b, -1, name);
+    return b;
+}
+
+// What lights make of the coefficients; after a slice's the number of those
+// that count for something.
+static unsigned make_factors(void)
+{
+    static float factor[L + 1][TERMS + 1];
+    double value[TERMS];
+    for (int l = 0; l < L; l++) {
+        double lambda = FAST_TABLES_LAMBDA * exp(FAST_TABLES_STEP * (l + 0.5));
+        fast_tables_bessel(2 / (lambda * lambda), TERMS, value);
+        int count = 0;
+        while (count < TERMS && value[count] > 1e-7 * value[0])
+            count++;
+        factor[l][TERMS] = (float)count;
+        for (int n = 0; n < TERMS; n++)
+            factor[l][n] = (float)(2 * pi * value[n]);
+    }
+    factor[L][TERMS] = TERMS;
+    factor[L][0] = 1;
+    for (int n = 1; n < TERMS; n++)
+        factor[L][n] = n % 2 ? (float)((n % 4 == 1 ? 2 : -2) / (pi * n)) : 0;
+    return make(sizeof factor, factor, "fast factors");
+}
+
+static unsigned make_cosines(void)
+{
+    static float cosine[TERMS][P];
+    for (int n = 0; n < TERMS; n++)
+        for (int p = 0; p < P; p++)
+            cosine[n][p] = (float)cos(n * pi * (p + 0.5) / P);
+    return make(sizeof cosine, cosine, "fast cosines");
+}
+
+static bool create_objects(struct fast_tables *t, struct error *err)
+{
+    t->values = program_compute("fast_values.comp", NULL, err);
+    if (!t->values)
+        return false;
+    t->pack = program_compute("fast_pack.comp", NULL, err);
+    if (!t->pack)
+        return false;
+    unsigned *b = t->buffer;
+    b[COEFFICIENTS] = make(sizeof t->coefficient, NULL, "fast coefficients");
+    b[FACTORS] = make_factors();
+    b[COSINES] = make_cosines();
+    b[VALUES] =
+        make((size_t)FAST_TABLES_CELLS * VALUE_BYTES, NULL, "fast values");
+    b[CELLS] = make((size_t)FAST_TABLES_CELLS * CELL_BYTES, NULL, "fast cells");
+    gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &t->texture);
+    gl.TextureBuffer(t->texture, GL_RGBA32UI, b[CELLS]);
+    gl.ObjectLabel(GL_TEXTURE, t->texture, -1, "fast cells");
+    return gl_check("making tables of the fibre", err);
+}
+
+static void fill(struct fast_tables *t)
+{
+    gl.NamedBufferSubData(
+        t->buffer[COEFFICIENTS], 0,
+        (GLsizeiptr)(D * (size_t)t->terms * sizeof t->coefficient[0]),
+        t->coefficient);
+    for (unsigned i = 0; i < BUFFERS; i++)
+        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding[i], t->buffer[i]);
+    gl.UseProgram(t->values);
+    gl.ProgramUniform1ui(t->values, TERMS_LOCATION, (GLuint)t->terms);
+    gl_dispatch(FAST_TABLES_CELLS / 4);
+    gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    gl.UseProgram(t->pack);
+    gl_dispatch(FAST_TABLES_CELLS);
+    gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT |
+                     GL_TEXTURE_FETCH_BARRIER_BIT);
+}
+
+bool fast_tables_bind(struct fast_tables *t, struct error *err)
+{
+    if (!t->texture && !create_objects(t, err))
+        return false;
+    if (t->stale) {
+        fill(t);
+        t->stale = false;
+    }
+    gl.BindTextureUnit(FAST_TABLES_UNIT, t->texture);
+    return true;
+}
+
+unsigned fast_tables_bytes(const struct fast_tables *t)
+{
+    return t && t->texture ? FAST_TABLES_CELLS * (CELL_BYTES + VALUE_BYTES) : 0;
+}
+
+void fast_tables_destroy(struct fast_tables *t)
+{
+    if (!t)
+        return;
+    if (t->buffer[0])
+        gl.DeleteBuffers(BUFFERS, t->buffer);
+    if (t->texture)
+        gl.DeleteTextures(1, &t->texture);
+    gl.DeleteProgram(t->values);
+    gl.DeleteProgram(t->pack);
+    free(t);
+}

@@ -1,0 +1,56 @@
+// fast_tables.h - the inner integrals of single and global scattering (Xu 2011,
+// eq 12, 28) as tables that are made once an edit of the fibre and serve every
+// light: what `render.path=table` reads (shaders/fast.glsl).
+//
+// The cosine coefficients of N_t over phi come from a sum over h in double
+// precision (dual_azimuth.h): exact Fresnel, absorption along the real path,
+// TRT smoothed by w_c.  A circular Gaussian of light multiplies each by 2 pi
+// e^-kappa I_n(kappa), half a circle by 2 sin(n pi/2)/(pi n).  A compute pass
+// sums the series at the middles of cells, a second one makes local quadratics.
+// Axes: |theta_d|, ln lambda' from .02 on (below, light narrower than any
+// detail of N), |Phi|.  Longitudinal widths and the lights are in no table.
+#ifndef RENDERER_FAST_TABLES_H
+#define RENDERER_FAST_TABLES_H
+
+#include <stdbool.h>
+
+#include "protocol/error.h"
+#include "renderer/dual_azimuth.h"
+
+enum {
+    FAST_TABLES_UNIT = 11, // as shaders/fast.glsl declares it
+    FAST_TABLES_D = 24,    // shape: shaders/fast_size.glsl has it too
+    FAST_TABLES_L = 24,
+    FAST_TABLES_P = 64,
+    FAST_TABLES_CELLS = FAST_TABLES_D * (FAST_TABLES_L + 1) * FAST_TABLES_P,
+    FAST_TABLES_TERMS = 64 // of a series, at most
+};
+#define FAST_TABLES_LAMBDA 0.02 // lambda' of the first cell's edge
+#define FAST_TABLES_STEP 0.25   // of ln lambda'
+
+struct fast_tables;
+
+// NULL when the fibre can be put into tables; else why it cannot: it is not
+// circular, or its caustics are too narrow for the series.
+// Thread: any.
+const char *fast_tables_refuse(const struct dual_fibre *f);
+
+// Thread: any, one at a time; no GL is called.  About a millisecond.
+struct fast_tables *fast_tables_create(void);
+void fast_tables_update(struct fast_tables *t, const struct dual_fibre *f);
+
+// e^-kappa I_n(kappa), n < count.
+void fast_tables_bessel(double kappa, int count, double *out);
+
+// Makes the cells when the last update is not in them yet, binds the unit.
+// Storage buffers 0 to 3 and 15 are to be bound anew afterwards.
+// Thread: render.
+bool fast_tables_bind(struct fast_tables *t, struct error *err);
+
+// Bytes on the device.
+unsigned fast_tables_bytes(const struct fast_tables *t);
+
+// Thread: render, once it has been bound.  NULL is allowed.
+void fast_tables_destroy(struct fast_tables *t);
+
+#endif
