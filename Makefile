@@ -128,7 +128,22 @@ tests-built: floors $(B)/glintd $(B)/glint $(CTEST_BINS)
 # Timings; not part of the tests.  make bench-stages ARGS="animation straight"
 BENCHES := $(patsubst tests/bench/%.c,$(B)/tests/bench/%,\
 	$(wildcard tests/bench/bench_*.c))
-.PHONY: bench-stages bench-encode
+.PHONY: bench bench-stages bench-encode
+# Error against run time: the committed report, from scratch (references that
+# were made before are found again).  ARGS=--quick: two minutes, into build/.
+GLINT_DATA ?= ../shared/data
+BENCH_TO := $(if $(findstring --quick,$(ARGS)),$(B),docs)
+COMMA := ,
+BENCH_DAWN := $(GLINT_DATA)/hair/straight.hair@$(GLINT_DATA)/env/pmndrs_dawn.exr
+BENCH_VENICE := $(GLINT_DATA)/hair/amd_ruby_long.hair@$(GLINT_DATA)/env/venice_sunset_1k.hdr
+BENCH_SCENES := ponytail,animation,bob,dark,straight,natural$(if \
+	$(wildcard $(GLINT_DATA)/hair/straight.hair),$(COMMA)$(BENCH_DAWN)$(COMMA)$(BENCH_VENICE))
+bench: all
+	@mkdir -p $(BENCH_TO)/pictures
+	$(B)/glintd bench --command "make bench" --report $(BENCH_TO)/BENCH.md \
+	    --plot $(BENCH_TO)/pictures/bench.svg \
+	    $(if $(findstring --quick,$(ARGS)),,--scenes $(BENCH_SCENES)) \
+	    $(ARGS) > $(B)/bench.jsonl
 bench-stages: deps
 	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_stages
 	@$(B)/tests/bench/bench_stages $(ARGS)

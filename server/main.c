@@ -14,6 +14,7 @@ static const struct verb {
     {"serve", verb_serve_run, "show the picture to browsers and scripts"},
     {"render", verb_render_run, "one picture into a file"},
     {"probe", verb_probe_run, "single scattering integrals, as numbers"},
+    {"bench", verb_bench_run, "error against run time, of every setting"},
     {"fit", verb_fit_run, "the lights that stand for a sky"},
     {"info", verb_info_run, "device, built-in grooms, parameters, files"},
 };

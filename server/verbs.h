@@ -10,6 +10,7 @@
 int verb_serve_run(int argc, char **argv);  // the daemon
 int verb_render_run(int argc, char **argv); // one picture into a file
 int verb_probe_run(int argc, char **argv);  // single integrals
+int verb_bench_run(int argc, char **argv);  // error against run time
 int verb_fit_run(int argc, char **argv);    // a sky's lights
 int verb_info_run(int argc, char **argv);   // what is here
 

@@ -1,0 +1,60 @@
+// bench_measure.h - time and error of one setting in one view, and the error
+// of the view's own setting by cause.
+// Thread: the renderer's.
+#ifndef SERVER_BENCH_MEASURE_H
+#define SERVER_BENCH_MEASURE_H
+
+#include <stdbool.h>
+
+#include "protocol/error.h"
+#include "renderer/metric.h"
+#include "renderer/renderer.h"
+#include "server/bench_knobs.h"
+#include "server/bench_time.h"
+#include "server/bench_truth.h"
+
+enum { BENCH_CAUSES = 7 };
+
+struct bench_view { // one scene, seen by the base's camera
+    const char *name;
+    struct renderer *r;
+    const struct params *base;
+    const struct bench_truth *truth;
+    struct bench_effort effort; // for each edit
+    int picture_samples;        // of pictures that are compared
+};
+
+struct bench_row {
+    const struct bench_setting *setting;
+    struct bench_times time[BENCH_EDITS]; // the first always
+    // Against the sky's texels, rays and path-traced multiple scattering.
+    struct metric_errors whole;
+    // Once-scattered light alone, against texels and rays: multiple scattering
+    // is excluded.
+    struct metric_errors single;
+    // Once-scattered light of the same lights without shadows, against exact
+    // integrals: fit, visibility and multiple scattering are excluded.  NaN
+    // where the setting does not bear upon it.
+    struct metric_errors integral;
+    // The whole picture, with its edges and samples, against a path-traced one.
+    struct metric_errors picture;
+    double psnr, ssim;
+};
+
+bool bench_measure_row(const struct bench_view *v,
+                       const struct bench_setting *s, struct bench_row *out,
+                       struct error *err);
+
+struct bench_cause {
+    const char *name, *what;     // "light fit"; what is exchanged
+    struct metric_errors errors; // of the difference, relative to the mean of
+                                 // the whole reference
+};
+
+// One thing exchanged at a time, from the renderer's picture to the reference:
+// the first four differences add up to the fifth, place by place.
+bool bench_measure_causes(const struct bench_view *v,
+                          struct bench_cause out[BENCH_CAUSES],
+                          struct error *err);
+
+#endif

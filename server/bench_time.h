@@ -1,0 +1,52 @@
+// bench_time.h - how long an edit takes until its picture is there, stage by
+// stage.
+// Thread: the renderer's.
+#ifndef SERVER_BENCH_TIME_H
+#define SERVER_BENCH_TIME_H
+
+#include <stdbool.h>
+
+#include "protocol/error.h"
+#include "protocol/params.h"
+#include "renderer/metric.h"
+#include "renderer/renderer.h"
+
+enum { BENCH_RUNS_MAX = 200, BENCH_RUNS_LEAST = 3 };
+
+enum bench_edit {      // what is changed
+    BENCH_EDIT_FIBRE,  // fibre.sigma_a
+    BENCH_EDIT_COLOUR, // tint.colour
+    BENCH_EDIT_SKY,    // light.yaw
+    BENCH_EDIT_CAMERA, // camera.fov
+    BENCH_EDITS
+};
+extern const char *const bench_edit_names[BENCH_EDITS];
+
+struct bench_times {
+    int runs;                      // 0: not measured
+    struct metric_value median;    // ms, wall clock, with its 95 % interval
+    double p95;                    // ms
+    double stage[RENDERER_STAGES]; // ms, medians; < 0: did not run
+};
+
+struct bench_effort {
+    int runs;       // that are wanted
+    double seconds; // after so many no more than BENCH_RUNS_LEAST are made;
+                    // 0: no limit
+};
+
+// Makes edits of one kind around *p, each different from the one before, after
+// two that are not counted (one, where it takes a quarter of the time), and
+// waits for each until the picture is done and read as it is displayed.  With
+// quality.samples = 1 and shadow.rays = 0 that is the first full frame.
+// Afterwards the picture is that of *p itself.
+bool bench_time(struct renderer *r, const struct params *p,
+                enum bench_edit edit, const struct bench_effort *effort,
+                struct bench_times *out, struct error *err);
+
+// The picture of *p, until it is done; stage_ms[RENDERER_STAGES] are sums, or
+// NULL.
+bool bench_time_finish(struct renderer *r, const struct params *p,
+                       double *stage_ms, struct error *err);
+
+#endif

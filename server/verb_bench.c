@@ -1,0 +1,282 @@
+// verb_bench.c - `glintd bench`: error against run time.  JSON lines on
+// standard output as they come; a report and plots when all is done.
+#include "server/verbs.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "protocol/bytes.h"
+#include "renderer/groom.h"
+#include "renderer/timer.h"
+#include "server/bench_report.h"
+#include "server/bench_scene.h"
+#include "server/cache.h"
+#include "server/file.h"
+#include "server/options.h"
+
+enum { SCENES_MAX = 64 };
+
+struct bench {
+    struct options options;
+    const char *scenes, *report, *plot, *only, *command;
+    bool quick, full, refined, no_cache;
+    double seconds;
+    int runs, places, exact, paths, picture_paths, picture_samples;
+    char hair[SCENES_MAX][512], env[SCENES_MAX][512];
+    int count;
+    struct buf overview, sections;
+};
+
+// --- scenes ------------------------------------------------------------------
+
+static bool is_builtin(const char *name)
+{
+    for (int i = 0; groom_builtin_names[i]; i++)
+        if (strcmp(groom_builtin_names[i], name) == 0)
+            return true;
+    return false;
+}
+
+static bool add_scene(struct bench *b, const char *text, size_t size)
+{
+    const char *at = memchr(text, '@', size);
+    const size_t hair = at ? (size_t)(at - text) : size;
+    char name[512];
+    if (b->count == SCENES_MAX || hair == 0 || hair >= sizeof name - 8 ||
+        size - hair >= sizeof b->env[0])
+        return false;
+    snprintf(name, sizeof name, "%.*s", (int)hair, text);
+    snprintf(b->hair[b->count], sizeof b->hair[0], "%s%.500s",
+             is_builtin(name) ? "builtin:" : "", name);
+    if (at)
+        snprintf(b->env[b->count], sizeof b->env[0], "%.*s",
+                 (int)(size - hair - 1), at + 1);
+    else
+        snprintf(b->env[b->count], sizeof b->env[0], "%.500s", b->options.env);
+    b->count++;
+    return true;
+}
+
+static bool list_scenes(struct bench *b)
+{
+    const char *list = b->scenes;
+    if (!list && b->options.hair_given)
+        return add_scene(b, b->options.hair, strlen(b->options.hair));
+    if (!list && b->quick)
+        list = "ponytail";
+    for (int i = 0; !list && groom_builtin_names[i]; i++)
+        if (!add_scene(b, groom_builtin_names[i],
+                       strlen(groom_builtin_names[i])))
+            return false;
+    while (list && *list) {
+        const size_t n = strcspn(list, ",");
+        if (!add_scene(b, list, n))
+            return false;
+        list += n + (list[n] == ',');
+    }
+    return b->count > 0;
+}
+
+// --- files -------------------------------------------------------------------
+
+// The plot's file: --plot itself for one scene and kind, else with the scene's
+// name and the kind before its end.
+static void plot_path(const struct bench *b, const struct bench_result *r,
+                      enum bench_plot which, struct buf *out)
+{
+    const char *end = strrchr(b->plot, '.');
+    const size_t stem = end ? (size_t)(end - b->plot) : strlen(b->plot);
+    buf_printf(out, "%.*s", (int)stem, b->plot);
+    if (b->count > 1)
+        buf_printf(out, "_%s", r->id);
+    buf_printf(out, "%s%s%c", which == BENCH_PLOT_INTEGRAL ? "_integral" : "",
+               end ? end : ".svg", 0);
+}
+
+// As the report names it: relative to its own folder where it lies below it.
+static const char *seen_from(const char *report, const char *path)
+{
+    const char *slash = report ? strrchr(report, '/') : NULL;
+    const size_t n = slash ? (size_t)(slash - report) + 1 : 0;
+    return strncmp(path, report, n) == 0 ? path + n : path;
+}
+
+static bool write_scene(struct bench *b, const struct bench_result *r,
+                        struct error *err)
+{
+    bool front[BENCH_KNOBS_MAX] = {false}, ok = true;
+    struct buf path[2] = {{0}}, svg = {0};
+    const char *shown[2] = {NULL, NULL};
+    for (int k = 0; k < 2 && ok; k++) {
+        buf_clear(&svg);
+        bench_report_plot(r, (enum bench_plot)k, front, &svg);
+        if (!b->plot)
+            continue;
+        plot_path(b, r, (enum bench_plot)k, &path[k]);
+        ok = file_write((const char *)path[k].data, &svg, err);
+        if (b->report)
+            shown[k] = seen_from(b->report, (const char *)path[k].data);
+    }
+    bench_report_overview(r, b->overview.size == 0, &b->overview);
+    bench_report_scene(r, shown[0] ? shown : NULL, front, &b->sections);
+    buf_finish(&path[0]);
+    buf_finish(&path[1]);
+    buf_finish(&svg);
+    return ok;
+}
+
+static bool write_report(struct bench *b, const char *device, double seconds,
+                         struct error *err)
+{
+    struct buf out = {0};
+    double load = 0;
+    if (getloadavg(&load, 1) != 1)
+        load = -1;
+    const struct bench_head head = {
+        .command = b->command ? b->command : "glintd bench",
+        .device = device,
+        .cores = (int)sysconf(_SC_NPROCESSORS_ONLN),
+        .runs = b->runs,
+        .scenes = b->count,
+        .seconds = seconds,
+        .load = load,
+    };
+    bench_report_head(&head, &b->options.params, &out);
+    buf_append(&out, b->overview.data, b->overview.size);
+    buf_append(&out, b->sections.data, b->sections.size);
+    const bool ok = !b->report || file_write(b->report, &out, err);
+    buf_finish(&out);
+    return ok;
+}
+
+// --- the run -----------------------------------------------------------------
+
+static void tell(void *self, const struct buf *line)
+{
+    (void)self;
+    fwrite(line->data, 1, line->size, stdout);
+    fflush(stdout);
+}
+
+static int bench(struct bench *b)
+{
+    struct error err = {0};
+    char *cache = b->no_cache ? NULL : cache_directory(), device[160] = "";
+    const double began = timer_now();
+    bool ok = true;
+    for (int i = 0; ok && i < b->count; i++) {
+        struct bench_scene s;
+        const struct bench_scene_ask ask = {
+            .hair = b->hair[i],
+            .env = b->env[i],
+            .base = &b->options.params,
+            // every knob in the first scene, the chief ones in all
+            .choice = {.quick = b->quick || (i > 0 && !b->full),
+                       .first = i == 0,
+                       .only = b->only},
+            .effort = {b->runs, b->seconds},
+            .places = b->places,
+            .exact = b->exact < b->places ? b->exact : b->places,
+            .paths = b->paths,
+            .picture_paths = b->picture_paths,
+            .picture_samples = b->picture_samples,
+            .cache = cache,
+            .causes = true,
+            .tell = tell,
+        };
+        ok = bench_scene_run(&s, &ask, &err) && write_scene(b, &s.result, &err);
+        snprintf(device, sizeof device, "%s", s.device);
+        bench_scene_finish(&s);
+    }
+    ok = ok && write_report(b, device, timer_now() - began, &err);
+    buf_finish(&b->overview);
+    buf_finish(&b->sections);
+    free(cache);
+    return ok ? 0 : options_fail(&err);
+}
+
+// What is not given is by the length of the run.
+static void defaults(struct bench *b)
+{
+    const bool q = b->quick;
+    b->runs = b->runs ? b->runs : 10;
+    b->seconds = b->seconds >= 0 ? b->seconds : q ? 4 : 15;
+    b->places = b->places ? b->places : q ? 200 : 500;
+    b->exact = b->exact >= 0 ? b->exact : q ? 40 : 120;
+    b->paths = b->paths ? b->paths : q ? 64 : 256;
+    b->picture_paths = b->picture_paths ? b->picture_paths : q ? 8 : 32;
+    b->picture_samples = b->picture_samples ? b->picture_samples : q ? 4 : 16;
+    b->options.params.quality.samples = 1; // the first full frame
+    if (!b->refined)
+        b->options.params.shadow.rays = 0;
+    b->options.params.render.components = 0;
+}
+
+int verb_bench_run(int argc, char **argv)
+{
+    struct bench *b = bytes_zalloc(1, sizeof *b);
+    b->exact = -1;
+    b->seconds = -1;
+    const struct options_row rows[] = {
+        {"scenes", OPTIONS_TEXT, &b->scenes, 0, 0, "HAIR[@ENV],...",
+         "what is measured; the six built-in grooms unless --hair is given"},
+        {"quick", OPTIONS_FLAG, &b->quick, 0, 0, NULL,
+         "one scene, fewer settings, places and paths: two minutes"},
+        {"report", OPTIONS_TEXT, &b->report, 0, 0, "FILE.md",
+         "write tables as Markdown"},
+        {"plot", OPTIONS_TEXT, &b->plot, 0, 0, "FILE.svg",
+         "write plots; with several scenes FILE_SCENE.svg"},
+        {"only", OPTIONS_TEXT, &b->only, 0, 0, "WORD,...",
+         "only settings whose group or text has one of the words"},
+        {"runs", OPTIONS_INT, &b->runs, 1, BENCH_RUNS_MAX, "N",
+         "edits that are timed of each kind (10)"},
+        {"seconds", OPTIONS_REAL, &b->seconds, 0, 3600, "S",
+         "after so many no more than 3 edits of a kind; 0 for ever (15, quick "
+         "4)"},
+        {"refined", OPTIONS_FLAG, &b->refined, 0, 0, NULL,
+         "everything with shadow.rays as it is set: the picture at rest, not "
+         "the first"},
+        {"full", OPTIONS_FLAG, &b->full, 0, 0, NULL,
+         "every setting in every scene, not in the first alone"},
+        {"places", OPTIONS_INT, &b->places, 2, 20000, "N",
+         "visible places at which errors are measured (500, quick 200)"},
+        {"exact", OPTIONS_INT, &b->exact, 0, 20000, "N",
+         "of these, places at which causes are separated (120, quick 40)"},
+        {"paths", OPTIONS_INT, &b->paths, 2, 1000000, "N",
+         "paths of the reference for each place (256, quick 64)"},
+        {"picture-paths", OPTIONS_INT, &b->picture_paths, 1, 65536, "N",
+         "paths for each pixel of the reference picture (32, quick 8)"},
+        {"picture-samples", OPTIONS_INT, &b->picture_samples, 1, 4096, "N",
+         "samples of pictures that are compared with it (16, quick 4)"},
+        {"no-cache", OPTIONS_FLAG, &b->no_cache, 0, 0, NULL,
+         "neither use nor keep references and fits on disk"},
+        {"command", OPTIONS_TEXT, &b->command, 0, 0, "TEXT",
+         "what the report calls the command that made it"},
+        {0}};
+    const struct options_verb verb = {
+        .name = "bench",
+        .about = "error against run time of every setting, as JSON lines; "
+                 "quality.samples is 1 and\nshadow.rays 0 but where they are "
+                 "what is compared, or --refined",
+        .takes = OPTIONS_SCENE,
+        .rows = rows,
+    };
+    int status = options_parse(&b->options, &verb, argc, argv);
+    if (status < 0) {
+        defaults(b);
+        if (list_scenes(b)) {
+            status = bench(b);
+        } else {
+            fprintf(stderr,
+                    "glintd: bench: --scenes: HAIR or HAIR@ENV, joined "
+                    "by commas, at most %d\n",
+                    SCENES_MAX);
+            status = 2;
+        }
+    }
+    options_finish(&b->options);
+    free(b);
+    return status;
+}

@@ -1,0 +1,138 @@
+// The chart: which points are on the front, that no label lies on another or
+// on a point, whatever is thrown at it, and that the SVG is well formed enough
+// to count its parts.
+#include "server/chart.h"
+
+#include <stdlib.h>
+
+#include "tests/check.h"
+
+static struct chart_point points[CHART_POINTS_MAX];
+static char names[CHART_POINTS_MAX][40];
+
+static unsigned state = 3;
+static double uniform(void)
+{
+    state = state * 1664525u + 1013904223u;
+    return (double)(state >> 8) / 16777216.0;
+}
+
+static void front(void)
+{
+    // times, errors; the front by eye: 0, 2, 5 and 6 (equal to 5)
+    const double xy[][2] = {{10, 0.5}, {20, 0.6},  {20, 0.3}, {30, 0.3},
+                            {15, 0.5}, {80, 0.01}, {80, 0.01}};
+    const bool want[] = {true, false, true, false, false, true, true};
+    struct chart_point p[8] = {0};
+    check_case("the front of seven points");
+    for (int i = 0; i < 7; i++)
+        p[i] = (struct chart_point){.x = xy[i][0], .y = xy[i][1]};
+    p[7] = (struct chart_point){.x = 1, .y = NAN}; // says nothing, stops nobody
+    chart_front(p, 8);
+    for (int i = 0; i < 7; i++)
+        CHECK(p[i].front == want[i]);
+    CHECK(!p[7].front);
+}
+
+struct box {
+    double x0, y0, x1, y1;
+};
+
+static bool apart(const struct box *a, const struct box *b)
+{
+    return a->x0 >= b->x1 || b->x0 >= a->x1 || a->y0 >= b->y1 || b->y0 >= a->y1;
+}
+
+// Boxes of the labels: 6.02 a character, 8 above and 2 below the base line.
+static int labels_of(const char *svg, struct box *out)
+{
+    int n = 0;
+    const char *at = svg;
+    while ((at = strstr(at, "<text class=\"label\""))) {
+        double x = 0, y = 0;
+        CHECK(sscanf(at, "<text class=\"label\" x=\"%lf\" y=\"%lf\"", &x, &y) ==
+              2);
+        const char *from = strchr(at, '>') + 1, *to = strchr(from, '<');
+        int length = 0;
+        for (const char *c = from; c < to; c++, length++)
+            if (*c == '&')
+                c = strchr(c, ';');
+        out[n++] = (struct box){x, y - 8, x + 6.02 * length, y + 2};
+        at = to;
+    }
+    return n;
+}
+
+static int count(const char *text, const char *what)
+{
+    int n = 0;
+    for (; (text = strstr(text, what)); text++)
+        n++;
+    return n;
+}
+
+static void draw(int n, double spread, struct buf *out)
+{
+    for (int i = 0; i < n; i++) {
+        snprintf(names[i], sizeof names[i], "render.knob=%d", i * i * 37);
+        points[i] = (struct chart_point){.x = 150 * exp(spread * uniform()),
+                                         .y = 0.1 * exp(spread * uniform()),
+                                         .low = 0.09,
+                                         .high = 0.12,
+                                         .label = names[i],
+                                         .group = i % 7};
+    }
+    struct chart c = {.title = "a < b & c",
+                      .x_title = "ms",
+                      .y_title = "error",
+                      .groups = {"one", "two"},
+                      .point = points,
+                      .count = n};
+    buf_clear(out);
+    chart_svg(&c, out);
+    buf_byte(out, 0);
+}
+
+static void labels(void)
+{
+    static struct box box[CHART_POINTS_MAX];
+    struct buf out = {0};
+    check_case("labels stand apart: scattered, crowded, all in one place");
+    for (int round = 0; round < 60; round++) {
+        const int n = 1 + round * 40 / 59; // as many as the column holds
+        draw(n, round % 3 == 0 ? 3 : round % 3 == 1 ? 0.2 : 0, &out);
+        const char *svg = (const char *)out.data;
+        CHECK(labels_of(svg, box) == n);
+        for (int i = 0; i < n; i++) {
+            CHECK(box[i].x0 >= 64 && box[i].x1 <= 1000);
+            CHECK(box[i].y0 >= 40 && box[i].y1 <= 580);
+            for (int k = 0; k < i; k++)
+                CHECK(apart(&box[i], &box[k]));
+        }
+    }
+    check_case("texts are escaped; every element is closed");
+    const char *svg = (const char *)out.data;
+    CHECK(strstr(svg, "a &lt; b &amp; c") && !strstr(svg, "a < b"));
+    CHECK(count(svg, "<text") == count(svg, "</text>"));
+    CHECK(count(svg, "<svg") == 1 && count(svg, "</svg>") == 1);
+    CHECK(!strstr(svg, "nan") && !strstr(svg, "inf"));
+    check_case("no point, and points that cannot be drawn");
+    draw(0, 1, &out);
+    CHECK(count((const char *)out.data, "class=\"label\"") == 0);
+    points[0] = (struct chart_point){.x = 0, .y = 1, .label = "zero"};
+    points[1] = (struct chart_point){.x = 1, .y = INFINITY, .label = "far"};
+    struct chart c = {.point = points, .count = 2};
+    buf_clear(&out);
+    chart_svg(&c, &out);
+    buf_byte(&out, 0);
+    svg = (const char *)out.data;
+    CHECK(count(svg, "class=\"label\"") == 0 && !strstr(svg, "inf"));
+    buf_finish(&out);
+}
+
+int main(void)
+{
+    front();
+    labels();
+    return check_end();
+}

@@ -1,0 +1,129 @@
+#!/usr/bin/env python3
+"""`glintd bench` finishes, its lines and files hold what they promise, and the
+headline error grows when the light fit, the visibility or the multiple
+scattering gets worse."""
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import xml.dom.minidom
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+GLINTD = os.environ.get("GLINTD", os.path.join(ROOT, "build", "glintd"))
+KEYS = ("scene method setting median_ms p95_ms rel_rmse rel_mse mean_signed p99 "
+        "psnr ssim median_ms_ci95 rel_rmse_ci95 rel_mse_ci95 mean_signed_ci95 "
+        "p99_ci95 stages runs").split()
+CAUSES = ("light fit", "scattering integral", "visibility", "multiple scattering",
+          "all of these", "sampling")
+bad = 0
+
+
+def report(name, good, why=""):
+    global bad
+    bad += not good
+    if not good:
+        print("  " + str(why))
+    print("%s %s" % ("ok" if good else "not ok", name))
+    sys.stdout.flush()
+
+
+def run(folder, *args):
+    env = dict(os.environ, GLINT_CACHE=os.path.join(folder, "cache"))
+    done = subprocess.run([GLINTD, "bench", *args], stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, timeout=250, env=env,
+                          stdin=subprocess.DEVNULL)
+    return done.returncode, done.stdout.decode(), done.stderr.decode()
+
+
+def labels(svg):
+    """Boxes of the plot's labels, from a monospaced face of size 10."""
+    out = []
+    for text in xml.dom.minidom.parseString(svg).getElementsByTagName("text"):
+        if text.getAttribute("class") == "label":
+            x, y = float(text.getAttribute("x")), float(text.getAttribute("y"))
+            width = 6.02 * len(text.firstChild.data)
+            out.append((x, y - 8, x + width, y + 2))
+    return out
+
+
+def overlap(a, b):
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+
+
+def check_lines(lines):
+    settings = {x["setting"]: x for x in lines if x["kind"] == "setting"}
+    wanted = {"default", "sky.lights=5", "shadow.method=off", "render.multiple=off"}
+    report("the settings that were asked for", set(settings) == wanted, settings.keys())
+    missing = [(s, k) for s, x in settings.items() for k in KEYS if k not in x]
+    report("every line has every key", not missing, missing)
+    finite = all(isinstance(x[k], (int, float)) and x[k] == x[k]
+                 for x in settings.values() for k in KEYS[3:11])
+    report("times and errors are numbers", finite, settings)
+    inside = all(x["rel_rmse_ci95"][0] <= x["rel_rmse"] <= x["rel_rmse_ci95"][1] and
+                 x["median_ms"] <= x["p95_ms"] and -1 <= x["ssim"] <= 1 and
+                 x["stages"]["shade"] > 0 for x in settings.values())
+    report("values lie within their intervals", inside, settings)
+    causes = {x["cause"]: x for x in lines if x["kind"] == "cause"}
+    report("the error is split into its causes", set(CAUSES) <= set(causes), causes.keys())
+    parts = sum(causes[c]["mean_signed"] for c in CAUSES[:4])
+    # the four are differences of one chain, place by place: only rounding
+    # of single precision (6e-8 of a value a few times the mean) is left
+    report("four causes add up to the whole",
+           abs(parts - causes["all of these"]["mean_signed"]) < 1e-5, causes)
+    return settings
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        md, svg = os.path.join(folder, "b.md"), os.path.join(folder, "b.svg")
+        args = ("--hair", "builtin:ponytail", "--size", "160x107", "--runs", "2",
+                "--places", "120", "--exact", "4", "--paths", "48",
+                "--picture-paths", "1", "--picture-samples", "1",
+                "--set", "sky.lights=20", "--set", "shadow.resolution=64",
+                # by rays, so that no cause drowns in the field's coarseness
+                "--refined", "--set", "shadow.rays=4",
+                "--only", "sky.lights=5,shadow.method=off,render.multiple=off",
+                "--quick", "--report", md, "--plot", svg)
+        code, out, err = run(folder, *args)
+        report("bench finishes", code == 0, err)
+        if code != 0:
+            return 1
+        lines = [json.loads(x) for x in out.splitlines()]
+        settings = check_lines(lines)
+        error = {s: x["rel_rmse"] for s, x in settings.items()}
+        for setting, what in (("sky.lights=5", "the fit"),
+                              ("shadow.method=off", "the visibility"),
+                              ("render.multiple=off", "the multiple scattering")):
+            report("worsening %s raises the headline error" % what,
+                   error[setting] > error["default"], error)
+        text = open(md).read()
+        report("the report names every setting and cause",
+               all("| %s" % s in text.replace("**", "") for s in list(settings) +
+                   list(CAUSES)), text)
+        report("the report shows the plots", "](b.svg)" in text and
+               "](b_integral.svg)" in text, text)
+        boxes = labels(open(svg).read())
+        clash = [(a, b) for i, a in enumerate(boxes) for b in boxes[:i] if overlap(a, b)]
+        report("the plot names every setting, apart",
+               len(boxes) == len(settings) and not clash, (boxes, clash))
+        scene = [x for x in lines if x["kind"] == "scene"][0]
+        code, out, err = run(folder, *args, "--runs", "1")
+        again = [json.loads(x) for x in out.splitlines()]
+        report("references are found again, with the same errors",
+               code == 0 and scene["reference_made"] > 3 and
+               again[0]["reference_made"] == 0 and
+               [x.get("rel_rmse") for x in again] == [x.get("rel_rmse") for x in lines],
+               (scene, again[:1], err))
+    code, out, err = run("/tmp", "--scenes", "nobody")
+    report("a scene that is not there is one error",
+           code == 1 and len(err.splitlines()) == 1 and "nobody" in err, (code, err))
+    code, out, err = run("/tmp", "--runs", "0")
+    report("a count out of range is refused", code == 2 and
+           re.search(r"--runs: 0 is not within \[1, \d+\]", err), (code, err))
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
