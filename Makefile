@@ -128,7 +128,7 @@ tests-built: floors $(B)/glintd $(B)/glint $(CTEST_BINS)
 # Timings; not part of the tests.  make bench-stages ARGS="animation straight"
 BENCHES := $(patsubst tests/bench/%.c,$(B)/tests/bench/%,\
 	$(wildcard tests/bench/bench_*.c))
-.PHONY: bench bench-stages bench-encode
+.PHONY: bench bench-stages bench-forward bench-encode
 # Error against run time: the committed report, from scratch (references that
 # were made before are found again).  ARGS=--quick: two minutes, into build/.
 GLINT_DATA ?= ../shared/data
@@ -147,6 +147,9 @@ bench: all
 bench-stages: deps
 	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_stages
 	@$(B)/tests/bench/bench_stages $(ARGS)
+bench-forward: deps
+	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_forward
+	@$(B)/tests/bench/bench_forward $(ARGS)
 bench-encode: deps
 	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_encode
 	@$(B)/tests/bench/bench_encode $(ARGS)

@@ -265,6 +265,9 @@ static void only_what_is_needed(void)
     CHECK(s.memory_targets == before + 28u * 96 * 64);
     CHECK(ran(r, RENDERER_VISIBLE) && ran(r, RENDERER_SHADOW));
     const uint32_t seen = s.visible_points;
+    struct error err = {0};
+    CHECK(!renderer_layers_on(r, &err)); // parts are of cells
+    CHECK_STR(err.name, "render.path");
     check_case("an edit of the fibre draws and looks up nothing anew");
     p.fibre.sigma_a[0] = 1;
     renderer_set_params(r, &p);
