@@ -20,6 +20,8 @@
 // the strand itself and what is beside it.
 static const float start_voxels = 0.7f;
 static const int usual_ways = 210;
+// The samples of depth maps are as sparse as this: voxels of the field in one.
+enum { SPARSE = 3, SPARSE_MIN = 16 };
 
 enum { X = 0, Y = 1, Z = 2 };
 
@@ -66,6 +68,7 @@ static void forget_grid(struct crossings *c)
     forget_ways(c);
     crossings_sweep_forget(c);
     crossings_lists_forget(c);
+    crossings_map_forget(c);
     gl.DeleteTextures(2, c->tensor);
     c->tensor[0] = c->tensor[1] = 0;
     c->stats.grid_bytes = 0;
@@ -77,6 +80,7 @@ void crossings_finish(struct crossings *c)
         return;
     forget_grid(c);
     crossings_sweep_finish(c);
+    crossings_map_finish(c);
     gl.DeleteBuffers(1, &c->uniform);
     if (c->query[0])
         gl.DeleteQueries(2, c->query);
@@ -148,17 +152,23 @@ static bool fits(const struct crossings *c)
     const int ways = c->options.ways > 0 ? c->options.ways : usual_ways;
     return 16 * voxels <= (uint64_t)block && most_tiles(c, limit_3d()) > 0 &&
            (c->options.budget == 0 ||
-            (32 + (uint64_t)ways) * voxels <= c->options.budget);
+            (32 + (uint64_t)ways) * voxels <=
+                c->options.budget / (c->options.map ? 2 : 1));
 }
 
 static bool choose_resolution(struct crossings *c, const float low[3],
                               const float high[3], struct error *err)
 {
-    int r = c->options.resolution / 4 * 4;
+    const bool map = c->options.map != NULL;
+    const int least = map ? SPARSE_MIN : CROSSINGS_RESOLUTION_MIN;
+    int r = c->options.resolution;
     r = r < CROSSINGS_RESOLUTION_MIN   ? CROSSINGS_RESOLUTION_MIN
         : r > CROSSINGS_RESOLUTION_MAX ? CROSSINGS_RESOLUTION_MAX
                                        : r;
-    for (; r >= CROSSINGS_RESOLUTION_MIN; r -= 4) {
+    c->options.resolution = r;
+    r = map ? r / SPARSE : r;
+    r = r < least ? least : r / 4 * 4;
+    for (; r >= least; r -= 4) {
         choose_box(c, low, high, r);
         if (fits(c))
             return true;
@@ -204,18 +214,11 @@ static void upload_tensor(struct crossings *c, float *const tensor[2])
     c->stats.grid_bytes = 32 * crossings_voxels(c);
 }
 
-bool crossings_build_grid(struct crossings *c, const struct groom *g,
-                          const struct params *p,
-                          const struct crossings_options *o, struct error *err)
+static void make_tensor(struct crossings *c, const struct groom *g,
+                        const struct params *p)
 {
-    const double began = timer_now();
-    float low[3], high[3], *tensor[2];
     struct crossings_hair hair;
-    forget_grid(c);
-    c->options = *o;
-    hair_box(g, p, low, high);
-    if (!choose_resolution(c, low, high, err))
-        return false;
+    float *tensor[2];
     for (int i = 0; i < 2; i++)
         tensor[i] =
             bytes_zalloc(4 * (size_t)crossings_voxels(c), sizeof(float));
@@ -225,6 +228,20 @@ bool crossings_build_grid(struct crossings *c, const struct groom *g,
     upload_tensor(c, tensor);
     free(tensor[0]);
     free(tensor[1]);
+}
+
+bool crossings_build_grid(struct crossings *c, const struct groom *g,
+                          const struct params *p,
+                          const struct crossings_options *o, struct error *err)
+{
+    const double began = timer_now();
+    forget_grid(c);
+    c->options = *o;
+    hair_box(g, p, c->hair_min, c->hair_max);
+    if (!choose_resolution(c, c->hair_min, c->hair_max, err))
+        return false;
+    if (!o->map)
+        make_tensor(c, g, p);
     for (int k = 0; k < 3; k++) {
         c->block->box[k] = c->box_min[k];
         c->block->size[k] = (float)c->size[k];
@@ -271,7 +288,8 @@ static int count_ways(struct crossings *c, const struct crossings_light *l,
 {
     int total = 0;
     for (int j = 0; j < count; j++) {
-        int k = crossings_ways_count(l[j].lambda, quality) >> shift;
+        int k = c->options.map ? 1 : crossings_ways_count(l[j].lambda, quality);
+        k >>= shift;
         k = k < 1 ? 1 : k;
         c->block->light[j][0] = (uint32_t)total;
         c->block->light[j][1] = (uint32_t)k;
@@ -379,10 +397,14 @@ bool crossings_update(struct crossings *c, const struct crossings_light *lights,
         return false;
     fill_block(c, lights);
     gl.QueryCounter(c->query[0], GL_TIMESTAMP);
-    crossings_sweep_run(c);
+    bool ok = true;
+    if (c->options.map)
+        ok = crossings_map_run(c, lights, err);
+    else
+        crossings_sweep_run(c);
     gl.QueryCounter(c->query[1], GL_TIMESTAMP);
     c->timed = true;
-    return gl_check("the shadows' sweeps", err);
+    return ok && gl_check("the shadows' sweeps", err);
 }
 
 // --- use ---------------------------------------------------------------------
@@ -396,7 +418,9 @@ void crossings_bind(struct crossings *c, const struct strands *s)
 {
     gl.BindBufferBase(GL_UNIFORM_BUFFER, CROSSINGS_UNIFORM_BINDING, c->uniform);
     gl.BindTextureUnit(CROSSINGS_TEXTURE_UNIT, c->atlas);
-    if (c->rays.list[0] && s)
+    if (c->options.map)
+        crossings_map_bind(c);
+    else if (c->rays.list[0] && s)
         crossings_lists_bind(c, s);
 }
 

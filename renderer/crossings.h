@@ -12,6 +12,12 @@
 // Nothing here depends on a fibre's parameters, on a light's colour or on the
 // camera.  The head is no part of the grid: it is tested where n is looked up.
 //
+// For comparison there is another source of the same numbers, as the papers
+// have it: optical depth maps, one along each light's centre, filtered over the
+// lobe by summed-area tables with a kernel that depends on depth, and forward
+// transmittance from sparse samples of them (Xu 2011, section 5, after Ren
+// 2010).  It takes the place of grid and ways.
+//
 // Shaders include "shadow.glsl"; crossings_bind gives them what it reads.
 // Method: fibres as randomly placed pieces of known density and direction, so
 // that crossings are Poisson (docs/METHODS.md).
@@ -35,6 +41,7 @@ enum {
     CROSSINGS_RAYS_MAX = 16,
     // What crossings_bind binds, for shaders that include shadow.glsl.
     CROSSINGS_UNIFORM_BINDING = 5, // uniform block
+    CROSSINGS_MAP_BINDING = 7,     // another, with SHADOW_MAP defined
     CROSSINGS_TEXTURE_UNIT = 8,
     CROSSINGS_TEXTURE_UNITS = 6, // and those after it, for rays
 };
@@ -56,6 +63,10 @@ struct crossings_options {
                      // lists; 0: no limit
     int ways;        // directions that the budget should hold; 0: 210, which is
                      // 40 lights at CROSSINGS_FINE
+    const struct strands *map; // depth maps of this hair, half as many cells
+                               // more along a side as `resolution`, fewer where
+                               // the budget ends; borrowed until the next grid.
+                               // NULL: the field
 };
 
 struct crossings_stats {
@@ -66,7 +77,7 @@ struct crossings_stats {
                           // budget made it coarser
     double grid_ms, lists_ms; // wall time of the last build
     double sweep_ms;          // on the GPU, of the last update
-    uint64_t grid_bytes, ways_bytes, lists_bytes, scratch_bytes;
+    uint64_t grid_bytes, ways_bytes, lists_bytes, map_bytes, scratch_bytes;
 };
 
 struct crossings { // zero-initialised is empty; all fields are private
@@ -74,7 +85,8 @@ struct crossings { // zero-initialised is empty; all fields are private
     struct crossings_stats stats;
     struct crossings_block *block; // what the uniform block holds
     float box_min[3], voxel;       // world
-    int size[3];                   // voxels, multiples of 4
+    float hair_min[3], hair_max[3];
+    int size[3];          // voxels, multiples of 4
     unsigned tensor[2];   // 3-D textures: rho, rho A_xx, A_yy, A_zz; rho A_yz,
                           // A_zx, A_xy
     unsigned atlas;       // 3-D texture: a tile a direction
@@ -86,6 +98,13 @@ struct crossings { // zero-initialised is empty; all fields are private
                              // opacities, as texture buffers
         unsigned of[3];      // the strands' buffers that these look into
     } rays;
+    struct crossings_map { // 0 until it is asked for
+        struct crossings_map_block *block;
+        unsigned uniform, texture, cells; // cells: scratch
+        int side, layers, slices;         // slices: layers of all lights
+        uint64_t cells_size;
+        unsigned program[4];
+    } map;
     unsigned ways, state, bytes[2]; // scratch: directions of a group, the
                                     // slice at hand, finished tiles
     unsigned before;                // `state` as a texture
@@ -107,7 +126,8 @@ bool crossings_build_grid(struct crossings *c, const struct groom *g,
 
 // When the lights' places or widths changed (not their colours).  Storage
 // blocks 0 and 1, uniform block 1 and textures 0 to 2 are bound anew.  At most
-// CROSSINGS_LIGHTS_MAX.  Takes fewer directions where the budget or the device
+// CROSSINGS_LIGHTS_MAX; the quality says nothing to maps.  Takes fewer
+// directions where the budget or the device
 // has no room for all; fails where not even one a light fits.
 bool crossings_update(struct crossings *c, const struct crossings_light *lights,
                       int count, enum crossings_quality quality,

@@ -46,10 +46,19 @@ void crossings_sweep_forget(struct crossings *c); // scratch memory
 // Fills the tiles of stats.ways directions, which block->way holds.
 void crossings_sweep_run(struct crossings *c);
 
+// --- crossings_map.c: depth maps, and the tiles that are sampled from them
+bool crossings_map_run(struct crossings *c, const struct crossings_light *l,
+                       struct error *err);
+void crossings_map_bind(const struct crossings *c);
+void crossings_map_forget(struct crossings *c);
+void crossings_map_finish(struct crossings *c);
+
 // --- crossings.c
 uint64_t crossings_voxels(const struct crossings *c);
 
 // --- crossings_ways.c: the directions that stand for a lobe
+// Two unit vectors across z.
+void crossings_ways_frame(const float z[3], float x[3], float y[3]);
 int crossings_ways_count(float lambda, enum crossings_quality quality);
 void crossings_ways_direction(const struct crossings_light *l, int i, int count,
                               float out[3]);

@@ -27,6 +27,8 @@ bool crossings_probe(const struct crossings_probe_run *run,
     if (run->rays > 0)
         snprintf(defines, sizeof defines, "SHADOW_RAYS%s",
                  run->strands->opacity ? " WITH_OPACITY" : "");
+    else if (run->crossings && run->crossings->options.map)
+        snprintf(defines, sizeof defines, "SHADOW_MAP");
     if (run->given_nodes)
         snprintf(defines, sizeof defines, "GIVEN_NODES");
     if (run->note_guards)

@@ -32,6 +32,16 @@ static void frame(const float z[3], double x[3], double y[3])
     }
 }
 
+void crossings_ways_frame(const float z[3], float x[3], float y[3])
+{
+    double u[3], v[3];
+    frame(z, u, v);
+    for (int k = 0; k < 3; k++) {
+        x[k] = (float)u[k];
+        y[k] = (float)v[k];
+    }
+}
+
 // Equal shares of the density exp(2 (cos - 1) / lambda^2) (Xu 2011, eq 2), its
 // distribution function inverted at the middle of each; the turn about the
 // lobe's axis by the golden section.

@@ -7,7 +7,7 @@
 #include "renderer/gl.h"
 #include "renderer/program.h"
 
-enum { PART_LOCATION = 0, RAYS_LOCATION = 3, PROGRAMS = 16 };
+enum { PART_LOCATION = 0, RAYS_LOCATION = 3, PROGRAMS = 32 };
 
 void nodes_finish(struct nodes *n)
 {
@@ -52,12 +52,14 @@ static void grow(struct nodes_store *s, const struct nodes_request *q)
 static unsigned program_of(struct nodes *n, const struct nodes_request *q,
                            bool opacity, struct error *err)
 {
-    const bool asked[4] = {q->rays > 0, opacity, q->by_pixel, q->centres};
-    static const char *const words[4] = {"SHADOW_RAYS ", "WITH_OPACITY ",
-                                         "BY_PIXEL ", "CENTRES "};
-    char defines[64] = "";
+    const bool asked[5] = {q->rays > 0, opacity, q->by_pixel, q->centres,
+                           q->map};
+    static const char *const words[5] = {"SHADOW_RAYS ", "WITH_OPACITY ",
+                                         "BY_PIXEL ", "CENTRES ",
+                                         "SHADOW_MAP "};
+    char defines[80] = "";
     int number = 0;
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 5; i++)
         if (asked[i]) {
             strcat(defines, words[i]);
             number += 1 << i;

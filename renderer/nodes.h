@@ -28,12 +28,13 @@ struct nodes_store {
 struct nodes {
     struct nodes_store first, rest;
     bool first_valid;
-    unsigned program[16]; // bits: see nodes.c; compiled when asked for
+    unsigned program[32]; // bits: see nodes.c; compiled when asked for
 };
 
 struct nodes_request {
     int part; // of the cells' list: the sample
     int rays; // for each place and light; 0: the smooth field
+    bool map; // from depth maps instead; no rays then
     int lights;
     uint32_t places; // of those that this sample sees first: how many, and
     uint32_t begin;  // from which on

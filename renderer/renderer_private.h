@@ -32,7 +32,8 @@ struct renderer {
     struct crossings crossings;
     bool grid_stale;  // of the crossings
     bool lists_tried; // for this grid, with success or too little room
-    int grid_resolution, grid_memory_mb, directions_quality; // made for
+    int grid_resolution, grid_memory_mb, grid_method; // made for
+    int directions_quality;
     bool directions_stale; // lights stand elsewhere than swept for
     struct nodes nodes;
     int path; // that picture and nodes were made for: forward or direct
@@ -57,6 +58,8 @@ void renderer_mark(struct renderer *r, enum renderer_stage first);
 enum { RENDERER_DIRECT, RENDERER_FORWARD, RENDERER_TABLE };
 // True when shadows are asked for and there is light to be shadowed.
 bool renderer_shadowed(const struct renderer *r);
+// ... and they come from depth maps, not from the field of crossings.
+bool renderer_mapped(const struct renderer *r);
 // Rays for each light and place of a refined picture; 0 where none are asked
 // for, or where the lists that they need have no room.
 int renderer_rays(const struct renderer *r);

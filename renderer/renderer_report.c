@@ -33,6 +33,9 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
         leave_out(s, "shadows", 0, "shadow.method is off, or nothing shines");
     else if (r->params.shadow.rays == 0)
         leave_out(s, "shadow_rays", 0, "shadow.rays is 0: the smooth field");
+    else if (renderer_mapped(r))
+        leave_out(s, "shadow_rays", 1,
+                  "shadow.method is map, which has no rays: for comparison");
     else if (r->lists_tried && renderer_rays(r) == 0)
         leave_out(s, "shadow_rays", 1,
                   "shadow.memory_mb or the device has no room for the lists "
@@ -82,10 +85,10 @@ void renderer_stats(const struct renderer *r, struct renderer_stats *out)
         out->shadow_directions = r->crossings.stats.ways;
         out->shadow_grid_ms = r->crossings.stats.grid_ms;
         out->shadow_sweep_ms = r->crossings.stats.sweep_ms;
-        out->memory_shadow = r->crossings.stats.grid_bytes +
-                             r->crossings.stats.ways_bytes +
-                             r->crossings.stats.lists_bytes +
-                             r->nodes.first.bytes + r->nodes.rest.bytes;
+        out->memory_shadow =
+            r->crossings.stats.grid_bytes + r->crossings.stats.ways_bytes +
+            r->crossings.stats.lists_bytes + r->crossings.stats.map_bytes +
+            r->nodes.first.bytes + r->nodes.rest.bytes;
     }
     out->fit = r->fit;
     if (r->map)

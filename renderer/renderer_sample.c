@@ -165,6 +165,7 @@ static bool shadow_and_shade(struct renderer *r, int k, struct error *err)
     struct nodes_request q = {
         .part = k,
         .rays = r->refined ? renderer_rays(r) : 0,
+        .map = renderer_mapped(r),
         .lights = r->lights.used,
         .budget = r->nodes_budget
                       ? r->nodes_budget

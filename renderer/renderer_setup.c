@@ -38,6 +38,11 @@ bool renderer_shadowed(const struct renderer *r)
     return r->params.shadow.method != 0 && r->lights.used > 0;
 }
 
+bool renderer_mapped(const struct renderer *r)
+{
+    return r->params.shadow.method == 2;
+}
+
 int renderer_rays(const struct renderer *r)
 {
     return renderer_shadowed(r) && crossings_has_lists(&r->crossings)
@@ -51,11 +56,13 @@ static bool build_grid(struct renderer *r, struct error *err)
     const struct crossings_options o = {
         .resolution = p->shadow.resolution,
         .budget = (uint64_t)p->shadow.memory_mb << 20,
+        .map = renderer_mapped(r) ? &r->strands : NULL,
     };
     if (!crossings_build_grid(&r->crossings, r->groom, p, &o, err))
         return false;
     r->grid_resolution = p->shadow.resolution;
     r->grid_memory_mb = p->shadow.memory_mb;
+    r->grid_method = p->shadow.method;
     r->lists_tried = false;
     r->grid_stale = false;
     r->directions_stale = true;
@@ -101,7 +108,8 @@ bool renderer_setup_crossings(struct renderer *r, struct error *err)
     if (!renderer_shadowed(r))
         return true;
     if (r->grid_stale || r->grid_resolution != p->shadow.resolution ||
-        r->grid_memory_mb != p->shadow.memory_mb) {
+        r->grid_memory_mb != p->shadow.memory_mb ||
+        r->grid_method != p->shadow.method) {
         r->idle = false;
         if (!build_grid(r, err))
             return false;
@@ -111,7 +119,7 @@ bool renderer_setup_crossings(struct renderer *r, struct error *err)
         if (!update_directions(r, err))
             return false;
     }
-    if (p->shadow.rays > 0 && !r->lists_tried) {
+    if (p->shadow.rays > 0 && !renderer_mapped(r) && !r->lists_tried) {
         r->idle = false;
         return build_lists(r, err);
     }

@@ -101,7 +101,8 @@ static void name_base(struct shading *s, const struct params *p,
     if (strands->colour)
         add(s->base, "WITH_COLOUR");
     if (s->shadowed)
-        add(s->base, "WITH_SHADOW");
+        add(s->base,
+            p->shadow.method == 2 ? "WITH_SHADOW SHADOW_MAP" : "WITH_SHADOW");
     if (!view && shown <= LAST_SINGLE)
         add(s->base, "WITH_SINGLE");
     if (s->multiple)

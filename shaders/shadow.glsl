@@ -13,6 +13,7 @@
 //   shadow_unpack        and unpacked
 //   shadow_law           from nodes to G at any s, and from it
 //   shadow_clear, shadow_forward, shadow_crossings
+// With SHADOW_MAP defined the nodes come from optical depth maps instead.
 // C side: renderer/crossings.h.
 #include "guard.glsl"
 #include "shadow_fall.glsl"
@@ -91,11 +92,19 @@ vec4 shadow_smooth(uvec4 light, vec3 g, vec3 o)
     return sum / float(max(light.y, 1u));
 }
 
+#ifdef SHADOW_MAP
+#include "shadow_map.glsl"
+#endif
+
 uvec2 shadow_nodes(uint light, vec3 p, vec3 u, uint segment, uint key)
 {
     vec3 g = (p - shadow_box.xyz) * shadow_box.w;
     vec3 o = (p - shadow_head.xyz) * shadow_inverse.xyz;
+#ifdef SHADOW_MAP
+    return shadow_pack(shadow_mapped(light, p, g, o));
+#else
     return shadow_pack(shadow_smooth(shadow_light[light], g, o));
+#endif
 }
 
 #ifdef SHADOW_RAYS

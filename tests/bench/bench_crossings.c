@@ -1,10 +1,12 @@
-// bench_crossings.c - error, time and memory of the shadows' crossings against
-// rays: one JSON line a groom, resolution and quality.  Not part of make test.
-//   bench_crossings [--places N] [--rays N] [SOURCE[:DIAMETER] ...]
-// Times ending in cpu_ms: of all threads, so that they mean something on a busy
-// machine with a software renderer.  places: as many seen from outside and as
-// many hidden; rays: of the truth, a lobe.  12 aims with lobes of lambda .05,
-// .2, .5 and 1 each.
+// bench_crossings.c - error, time and memory of the shadows' transmittances
+// against rays: one JSON line a groom, method, resolution, quality and number
+// of rays.  Not part of make test; docs/SHADOWS.md is made of it.
+//   bench_crossings [--places N] [--rays N] [--only RESOLUTION]
+//                   [SOURCE[:DIAMETER] ...]
+// Times are of all threads together (CPU), so that they mean something on a
+// busy machine with a software renderer.  places: as many seen from outside and
+// as many hidden; rays: of the truth, a lobe.  12 aims with lobes of lambda
+// .05, .2, .5 and 1 each.
 #include <stdio.h>
 #include <sys/resource.h>
 
@@ -12,7 +14,8 @@
 #include "renderer/gl.h"
 #include "tests/numeric/crossings_truth.h"
 
-static int places = 200, rays = 256;
+static int places = 200, rays = 256, only;
+static const int resolutions[] = {32, 64, 96, 128, 192};
 
 static void must(bool ok, const struct error *err)
 {
@@ -22,12 +25,12 @@ static void must(bool ok, const struct error *err)
     }
 }
 
-static double cpu_now(void) // seconds, all threads
+static double cpu_ms(void) // all threads
 {
     struct rusage u;
     getrusage(RUSAGE_SELF, &u);
-    return (double)(u.ru_utime.tv_sec + u.ru_stime.tv_sec) +
-           1e-6 * (double)(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
+    return 1e3 * (double)(u.ru_utime.tv_sec + u.ru_stime.tv_sec) +
+           1e-3 * (double)(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
 }
 
 struct scene {
@@ -37,37 +40,43 @@ struct scene {
     struct truth truth;
     struct crossings crossings;
     struct crossings_result *result;
-    double sweep_cpu; // seconds
+    int resolution;
+    double grid_ms, lists_ms, sweep_ms;
 };
 
-static void line(struct scene *s, const char *quality, int near_rays, double ms)
+static void list(const char *name, const double *x, int n)
+{
+    printf(",\"%s\":[", name);
+    for (int i = 0; i < n; i++)
+        printf("%s%.4f", i ? "," : "", x[i]);
+    printf("]");
+}
+
+static void line(struct scene *s, const char *method, int near_rays, double ms)
 {
     const struct truth_errors e = truth_compare(&s->truth, s->result);
     struct crossings_stats st;
     crossings_read_stats(&s->crossings, &st);
-    printf("{\"groom\":\"%s\",\"size\":[%d,%d,%d],\"quality\":\"%s\","
-           "\"rays\":%d,\"clear\":%.4f,\"bias\":%.4f,\"by_width\":[%.3f,%.3f,"
-           "%.3f,%.3f],\"visible\":%.3f,\"interior\":%.3f,"
-           "\"forward\":[%.4f,%.4f,%.4f,%.4f],\"forward_bias\":[%.3f,%.3f,%.3f,"
-           "%.3f],"
-           "\"sky\":%.4f,\"noise\":%.4f,\"ways\":%d,\"grid_ms\":%.1f,"
-           "\"lists_ms\":%.1f,\"sweep_ms\":%.1f,\"sweep_cpu_ms\":%.1f,\"probe_"
-           "cpu_ms\":%.1f,"
-           "\"grid_mb\":%.1f,\"ways_mb\":%.1f,\"lists_mb\":%.1f,"
-           "\"scratch_mb\":%.1f}\n",
-           s->groom->name, st.size[0], st.size[1], st.size[2], quality,
-           near_rays, e.clear, e.bias, e.by_width[0], e.by_width[1],
-           e.by_width[2], e.by_width[3], e.visible, e.interior, e.forward[0],
-           e.forward[1], e.forward[2], e.forward[3], e.forward_bias[0],
-           e.forward_bias[1], e.forward_bias[2], e.forward_bias[3], e.sky,
-           e.noise, st.ways, st.grid_ms, st.lists_ms, st.sweep_ms,
-           1e3 * s->sweep_cpu, ms, 1e-6 * (double)st.grid_bytes,
-           1e-6 * (double)st.ways_bytes, 1e-6 * (double)st.lists_bytes,
-           1e-6 * (double)st.scratch_bytes);
+    const double lookups = (double)s->truth.places * TRUTH_LIGHTS;
+    printf("{\"groom\":\"%s\",\"method\":\"%s\",\"resolution\":%d,\"rays\":%d",
+           s->groom->name, method, s->resolution, near_rays);
+    printf(",\"clear\":%.4f,\"p95\":%.4f,\"bias\":%.4f,\"visible\":%.4f,"
+           "\"interior\":%.4f,\"sky\":%.4f,\"noise\":%.4f",
+           e.clear, e.p95, e.bias, e.visible, e.interior, e.sky, e.noise);
+    list("class_mean", e.class_mean, 3);
+    list("class_p95", e.class_p95, 3);
+    list("forward", e.forward, 4);
+    list("forward_bias", e.forward_bias, 4);
+    printf(",\"ways\":%d,\"grid_ms\":%.1f,\"lists_ms\":%.1f,\"sweep_ms\":%.1f,"
+           "\"lookup_us\":%.3f,\"field_mb\":%.2f,\"lists_mb\":%.2f}\n",
+           st.ways, s->grid_ms, near_rays > 0 ? s->lists_ms : 0, s->sweep_ms,
+           1e3 * ms / lookups,
+           1e-6 * (double)(st.grid_bytes + st.ways_bytes + st.map_bytes),
+           near_rays > 0 ? 1e-6 * (double)st.lists_bytes : 0);
     fflush(stdout);
 }
 
-static void measure(struct scene *s, int near_rays, const char *quality)
+static void measure(struct scene *s, const char *method, int near_rays)
 {
     struct error err = {0};
     struct crossings_probe_run run = {
@@ -75,42 +84,61 @@ static void measure(struct scene *s, int near_rays, const char *quality)
     for (int m = 0; m < 4; m++)
         run.attenuation[m] = (float)truth_attenuation[m];
     double best = INFINITY;
-    for (int i = 0; i < 2; i++) {
-        double began = cpu_now();
+    for (int i = 0; i < 2; i++) { // the first compiles
+        const double began = cpu_ms();
         must(crossings_probe(&run, s->truth.place, s->truth.places,
                              TRUTH_LIGHTS, s->result, &err),
              &err);
-        best = fmin(best, cpu_now() - began);
+        best = fmin(best, cpu_ms() - began);
     }
-    line(s, quality, near_rays, 1e3 * best);
+    line(s, method, near_rays, best);
 }
 
-static void sweep(struct scene *s, int resolution)
+static void grid(struct scene *s, bool map)
 {
-    static const char *const name[2] = {"coarse", "fine"};
     struct error err = {0};
-    const struct crossings_options o = {.resolution = resolution};
+    const struct crossings_options o = {.resolution = s->resolution,
+                                        .map = map ? &s->strands : NULL};
+    const double began = cpu_ms();
     must(crossings_build_grid(&s->crossings, s->groom, &s->params, &o, &err),
          &err);
-    must(crossings_build_lists(&s->crossings, s->groom, &s->params, &err),
-         &err);
-    for (int q = 0; q < 2; q++) {
-        s->sweep_cpu = INFINITY;
-        for (int i = 0; i < 2; i++) {
-            double began = cpu_now();
-            must(crossings_update(&s->crossings, s->truth.light, TRUTH_LIGHTS,
-                                  (enum crossings_quality)q, &err),
-                 &err);
-            gl.Finish();
-            s->sweep_cpu = fmin(s->sweep_cpu, cpu_now() - began);
-        }
-        measure(s, 0, name[q]);
-    }
-    for (int r = 1; r <= CROSSINGS_RAYS_MAX; r *= 4)
-        measure(s, r, name[1]);
+    s->grid_ms = cpu_ms() - began;
 }
 
-static bool bench(const char *source)
+static void sweep(struct scene *s, enum crossings_quality quality)
+{
+    struct error err = {0};
+    s->sweep_ms = INFINITY;
+    for (int i = 0; i < 2; i++) { // the first allocates
+        const double began = cpu_ms();
+        must(crossings_update(&s->crossings, s->truth.light, TRUTH_LIGHTS,
+                              quality, &err),
+             &err);
+        gl.Finish();
+        s->sweep_ms = fmin(s->sweep_ms, cpu_ms() - began);
+    }
+}
+
+static void all_of(struct scene *s)
+{
+    struct error err = {0};
+    grid(s, true);
+    sweep(s, CROSSINGS_FINE);
+    measure(s, "map", 0);
+    grid(s, false);
+    const double began = cpu_ms();
+    must(crossings_build_lists(&s->crossings, s->groom, &s->params, &err),
+         &err);
+    s->lists_ms = cpu_ms() - began;
+    sweep(s, CROSSINGS_COARSE);
+    measure(s, "coarse", 0);
+    sweep(s, CROSSINGS_FINE);
+    measure(s, "fine", 0);
+    for (int r = 1; r <= CROSSINGS_RAYS_MAX; r *= 4)
+        measure(s, "fine", r);
+}
+
+static void bench(const char *source)
 {
     char name[512];
     struct error err = {0};
@@ -132,14 +160,16 @@ static bool bench(const char *source)
         bytes_zalloc((size_t)s.truth.places * TRUTH_LIGHTS, sizeof *s.result);
     must(strands_build(&s.strands, s.groom, &s.params, &err), &err);
     must(crossings_init(&s.crossings, &err), &err);
-    for (int r = 64; r <= 128; r += 32)
-        sweep(&s, r);
+    for (size_t i = 0; i < sizeof resolutions / sizeof *resolutions; i++)
+        if (only == 0 || only == resolutions[i]) {
+            s.resolution = resolutions[i];
+            all_of(&s);
+        }
     crossings_finish(&s.crossings);
     strands_finish(&s.strands);
     truth_free(&s.truth);
     free(s.result);
     groom_destroy(s.groom);
-    return true;
 }
 
 int main(int argc, char **argv)
@@ -151,8 +181,12 @@ int main(int argc, char **argv)
     struct egl *egl = egl_create(&err);
     must(egl, &err);
     int i = 1;
-    for (; i + 1 < argc && argv[i][0] == '-'; i += 2)
-        *(strcmp(argv[i], "--rays") == 0 ? &rays : &places) = atoi(argv[i + 1]);
+    for (; i + 1 < argc && argv[i][0] == '-'; i += 2) {
+        int *to = strcmp(argv[i], "--rays") == 0   ? &rays
+                  : strcmp(argv[i], "--only") == 0 ? &only
+                                                   : &places;
+        *to = atoi(argv[i + 1]);
+    }
     if (i == argc)
         for (int k = 0; k < 3; k++)
             bench(usual[k]);

@@ -1,5 +1,5 @@
 // crossings_scene.h - small scenes for the tests of crossings, and a way to ask
-// them.  Each function prints what went wrong.
+// them.  Each function ends the test when it fails.
 #ifndef TESTS_NUMERIC_CROSSINGS_SCENE_H
 #define TESTS_NUMERIC_CROSSINGS_SCENE_H
 

@@ -130,7 +130,38 @@ static inline void truth_free(struct truth *t)
 struct truth_errors { // means of |got - want| and of got - want
     double clear, bias, forward[4], forward_bias[4], sky, noise;
     double by_width[TRUTH_WIDTHS], visible, interior;
+    // of |got - want| of T~: 95 of a hundred are below; narrow (.05), medium
+    // (.2, .5) and wide (1) lobes
+    double p95, class_mean[3], class_p95[3];
 };
+
+static inline int truth_ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+// Of the widths from `first` to `last`.
+static inline void truth_spread(const struct truth *t,
+                                const struct crossings_result *r, int first,
+                                int last, double *mean, double *p95)
+{
+    const size_t all = (size_t)t->places * TRUTH_LIGHTS;
+    double *off = bytes_alloc(all * sizeof *off);
+    size_t n = 0;
+    *mean = 0;
+    for (size_t i = 0; i < all; i++) {
+        const int width = (int)(i % TRUTH_WIDTHS); // lights are aim-major
+        if (width < first || width > last)
+            continue;
+        off[n] = fabs((double)r[i].clear - t->lobe[i].transmittance);
+        *mean += off[n++];
+    }
+    qsort(off, n, sizeof *off, truth_ascending);
+    *p95 = off[n * 95 / 100];
+    *mean /= (double)n;
+    free(off);
+}
 
 // sky: the mean over the twelve aims, each with another of the four widths.
 static inline struct truth_errors
@@ -159,6 +190,11 @@ truth_compare(const struct truth *t, const struct crossings_result *r)
         }
         e.sky += fabs(sky) / t->places;
     }
+    static const int from[3] = {0, 1, 3}, to[3] = {0, 2, 3};
+    double mean;
+    for (int k = 0; k < 3; k++)
+        truth_spread(t, r, from[k], to[k], &e.class_mean[k], &e.class_p95[k]);
+    truth_spread(t, r, 0, TRUTH_WIDTHS - 1, &mean, &e.p95);
     return e;
 }
 

@@ -8,6 +8,8 @@
 #include "tests/check.h"
 #include "tests/numeric/crossings_scene.h"
 
+static const char hard[] = "builtin:animation"; // dense, seen from outside
+
 struct sample { // of the three grooms
     double clear, forward, sky;
     int grooms;
@@ -47,11 +49,28 @@ static void check_hair(const char *source, float diameter, struct sample *sum,
             // of truth add their own .01 to .04; bias .025 at most
             CHECK_ATMOST(e.clear, rays ? 0.065 : 0.095);
             CHECK_ATMOST(fabs(e.bias), 0.045);
+            if (strcmp(source, hard) == 0 && rays == 0) {
+                // measured .078, .071 and .061: worse by a third at most
+                CHECK_ATMOST(e.clear, 0.1);
+                CHECK_ATMOST(e.forward[1], 0.095);
+                CHECK_ATMOST(e.sky, 0.08);
+            }
             to->clear += e.clear / 3;
             to->forward += e.forward[1] / 3;
             to->sky += e.sky / 3;
             to->grooms++;
         }
+    const struct crossings_options maps = {.resolution = 96, .map = &s.strands};
+    CHECK(crossings_build_grid(&s.crossings, g, &s.params, &maps, &err));
+    scene_aim(&s, t.light, TRUTH_LIGHTS, CROSSINGS_COARSE);
+    scene_look(&s, 0, t.place, t.places, TRUTH_LIGHTS, r);
+    const struct truth_errors e = truth_compare(&t, r);
+    printf("  %s, depth maps: T~ %.3f (bias %+.3f), T_f(.6) %.3f, mean of 12 "
+           "lights %.3f\n",
+           g->name, e.clear, e.bias, e.forward[1], e.sky);
+    // measured .11 at most, bias -.05: the method's own, not rounding
+    CHECK_ATMOST(e.clear, 0.14);
+    CHECK_ATMOST(fabs(e.bias), 0.07);
     free(r);
     truth_free(&t);
     scene_close(&s);
@@ -66,7 +85,7 @@ static void test_hair(void)
     snprintf(straight, sizeof straight, "%s/hair/straight.hair", data);
     snprintf(curls, sizeof curls, "%s/hair/amd_testhair1.hair", data);
     check_case("crossings of builtin:animation against rays");
-    check_hair("builtin:animation", 0, &sum, &rays);
+    check_hair(hard, 0, &sum, &rays);
     check_case("crossings of hair files against rays");
     FILE *there = fopen(straight, "rb");
     if (!there) {

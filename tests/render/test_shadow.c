@@ -89,10 +89,91 @@ static void parts(void)
     buf_finish(&b[1]);
 }
 
+static struct buf fresh(const struct params *p)
+{
+    struct renderer *r =
+        scene_renderer(scene_lock(400, 10), scene_two_lamps(), p);
+    struct buf b = scene_linear(r);
+    renderer_destroy(r);
+    return b;
+}
+
+// Depth maps: another source of the same numbers.
+static void maps(void)
+{
+    enum { OFF, CROSSINGS, MAP, METHODS };
+    struct params p;
+    struct buf want[METHODS];
+    struct renderer_stats s;
+    base(&p);
+    p.shadow.rays = 0;
+    for (int m = 0; m < METHODS; m++) {
+        p.shadow.method = m;
+        want[m] = fresh(&p);
+    }
+    check_case("depth maps: edited = fresh, from and to the field");
+    struct params other = p;
+    other.shadow.method = CROSSINGS;
+    other.light.yaw = 70;
+    other.hair.diameter = 0.3f;
+    other.camera.fov = 25;
+    struct renderer *r =
+        scene_renderer(scene_lock(400, 10), scene_two_lamps(), &other);
+    scene_finish(r);
+    static const int order[] = {MAP, CROSSINGS, MAP, OFF, MAP};
+    for (int i = 0; i < 5; i++) {
+        p.shadow.method = order[i];
+        renderer_set_params(r, &p);
+        struct buf edited = scene_linear(r);
+        CHECK(scene_same(&edited, &want[order[i]]));
+        buf_finish(&edited);
+    }
+    check_case("... and of light, fibre and the hair's width");
+    for (int i = 0; i < 3; i++) {
+        struct params q = p;
+        q.light.yaw = i == 0 ? 33 : 0;
+        q.fibre.sigma_a[0] = i == 1 ? 2 : q.fibre.sigma_a[0];
+        q.hair.diameter = i == 2 ? 0.4f : q.hair.diameter;
+        renderer_set_params(r, &q);
+        struct buf edited = scene_linear(r), again = fresh(&q);
+        CHECK(scene_same(&edited, &again));
+        CHECK(!scene_same(&edited, &want[MAP]));
+        buf_finish(&edited);
+        buf_finish(&again);
+    }
+    check_case("depth maps take away about as much light as the field");
+    const double off = scene_sum(&want[OFF], 1);
+    const double field = scene_sum(&want[CROSSINGS], 1);
+    const double map = scene_sum(&want[MAP], 1);
+    printf("  light that is left: %.3f, %.3f by the field; they differ by "
+           "%.3f\n",
+           map / off, field / off,
+           scene_difference(&want[MAP], &want[CROSSINGS]));
+    CHECK(map < off && field < off);
+    // Measured: see the line above; T~ of either is off by up to .1 a place.
+    CHECK_NEAR(map / off, field / off, 0.05);
+    CHECK_ATMOST(scene_difference(&want[MAP], &want[CROSSINGS]), 0.2);
+    check_case("depth maps have no rays, and say so");
+    p.shadow.method = MAP;
+    p.shadow.rays = 4;
+    renderer_set_params(r, &p);
+    struct buf rays = scene_linear(r);
+    renderer_stats(r, &s);
+    const struct renderer_left_out *l = left_out(&s, "shadow_rays");
+    CHECK(scene_same(&rays, &want[MAP]));
+    CHECK(l && strstr(l->why, "map") && !s.refined);
+    CHECK(s.shadow_directions == s.lights_used);
+    buf_finish(&rays);
+    for (int m = 0; m < METHODS; m++)
+        buf_finish(&want[m]);
+    renderer_destroy(r);
+}
+
 int main(int argc, char **argv)
 {
     sky_helper_main(argc, argv);
     no_room_for_lists();
     parts();
+    maps();
     return check_end();
 }
