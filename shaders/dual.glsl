@@ -135,6 +135,10 @@ struct DualSeries {
     (trt.x * v.far[p] + trt.y * v.far[9 + p] + trt.z * v.far[18 + p] +         \
      trt.w * v.far[27 + p] + last.x * v.far[36 + p] + last.y * v.far[45 + p])
 
+#ifdef GUARDS
+DualSeries dual_mean; // over Phi
+#endif
+
 DualSeries dual_series(DualView v, float cos_phi)
 {
     // cos(n Phi), n = 1, 3, 5, ... 21
@@ -146,6 +150,13 @@ DualSeries dual_series(DualView v, float cos_phi)
     vec4 tt = v.wave[0], trt = v.wave[2];
     vec3 r = v.wave[1].xyz;
     vec2 last = v.wave[3].xy;
+#ifdef GUARDS
+    dual_mean = DualSeries(DUAL_NEAR(0), DUAL_NEAR(1), DUAL_NEAR(2),
+                           DUAL_NEAR(3), DUAL_NEAR(4), DUAL_NEAR(5),
+                           DUAL_NEAR(6), DUAL_NEAR(7), DUAL_FAR(0), DUAL_FAR(1),
+                           DUAL_FAR(2), DUAL_FAR(3), DUAL_FAR(4), DUAL_FAR(5),
+                           DUAL_FAR(6), DUAL_FAR(7), DUAL_FAR(8));
+#endif
     DUAL_BOTH(1, c1);
     DUAL_BOTH(2, c3);
     DUAL_BOTH(3, c5);
@@ -182,34 +193,49 @@ DualPlace dual_place(float theta_i, float theta_o)
     return p;
 }
 
+// The polynomials of x for R, TT and TRT.
+float dual_sum_at_r(DualSeries s, float x)
+{
+    float n = s.n6.w + x * s.n7.w;
+    n = s.n3.w + x * (s.n4.w + x * (s.n5.w + x * n));
+    return s.n0.w + x * (s.n1.w + x * (s.n2.w + x * n));
+}
+
+vec3 dual_sum_at_tt(DualSeries s, float x)
+{
+    vec3 n = s.n6.xyz + x * s.n7.xyz;
+    n = s.n3.xyz + x * (s.n4.xyz + x * (s.n5.xyz + x * n));
+    return s.n0.xyz + x * (s.n1.xyz + x * (s.n2.xyz + x * n));
+}
+
+vec3 dual_sum_at_trt(DualSeries s, float x)
+{
+    vec3 n = s.f6 + x * (s.f7 + x * s.f8);
+    n = s.f3 + x * (s.f4 + x * (s.f5 + x * n));
+    return s.f0 + x * (s.f1 + x * (s.f2 + x * n));
+}
+
 // cos theta_i / cos^2 theta_d N^G.
 float dual_at_r(DualSeries s, DualPlace p)
 {
-    float x = p.x, n = s.n6.w + x * s.n7.w;
-    n = s.n3.w + x * (s.n4.w + x * (s.n5.w + x * n));
-    n = s.n0.w + x * (s.n1.w + x * (s.n2.w + x * n));
-    GUARD(GUARD_DUAL_R, n < 0.0);
+    float n = dual_sum_at_r(s, p.x);
+    GUARD(GUARD_DUAL_R, n < -0.01 * dual_sum_at_r(dual_mean, p.x));
     return max(n, 0.0) * p.cos_i / (p.cos_d * p.cos_d);
 }
 
 vec3 dual_at_tt(DualSeries s, DualPlace p)
 {
-    float x = p.x;
-    vec3 n = s.n6.xyz + x * s.n7.xyz;
-    n = s.n3.xyz + x * (s.n4.xyz + x * (s.n5.xyz + x * n));
-    n = s.n0.xyz + x * (s.n1.xyz + x * (s.n2.xyz + x * n));
-    GUARD(GUARD_DUAL_TT, lessThan(n, vec3(0.0)));
+    vec3 n = dual_sum_at_tt(s, p.x);
+    GUARD(GUARD_DUAL_TT, lessThan(n, -0.01 * dual_sum_at_tt(dual_mean, p.x)));
     return max(n, 0.0) * p.cos_i;
 }
 
 vec3 dual_at_trt(DualSeries s, DualPlace p)
 {
-    float x = p.x, u = 1.0 - 0.65 * p.cos_d;
-    vec3 n = s.f6 + x * (s.f7 + x * s.f8);
-    n = s.f3 + x * (s.f4 + x * (s.f5 + x * n));
-    n = s.f0 + x * (s.f1 + x * (s.f2 + x * n));
+    float u = 1.0 - 0.65 * p.cos_d;
+    vec3 n = dual_sum_at_trt(s, p.x);
     float schlick = dual_index.z + (1.0 - dual_index.z) * xu_fifth(u);
-    GUARD(GUARD_DUAL_TRT, lessThan(n, vec3(0.0)));
+    GUARD(GUARD_DUAL_TRT, lessThan(n, -0.01 * dual_sum_at_trt(dual_mean, p.x)));
     return max(n, 0.0) * (p.cos_i * schlick);
 }
 
@@ -248,7 +274,7 @@ DualRule dual_rule(float centre, float width, float theta_j, vec3 sigma2)
     vec3 root = inversesqrt(w2 + sigma2), own = root * root;
     r.mass = 0.564189584 * root * exp(-apart * apart * own);
     vec3 change = sigma2 * own - share;
-    GUARD_LIVE(true);
+    GUARD_LIVE(any(greaterThan(exp(-apart * apart * own), vec3(1e-3))));
     GUARD(GUARD_DUAL_TILT, greaterThan(abs(2.0 * apart * per * change), vec3(1.0)));
     GUARD(GUARD_DUAL_WIDEN, greaterThan(change / share, vec3(1.0)));
     r.tilt = clamp(2.0 * apart * per * change, -1.0, 1.0);
@@ -322,7 +348,7 @@ vec3 dual_back(DualView v, float theta_j, vec3 spread2)
     vec3 shape = 1.0 + v.skew * r3 * z * (z2 - 3.0) +
                  v.peak * r2 * r2 * ((z2 - 6.0) * z2 + 3.0);
     GUARD_LIVE(true);
-    GUARD(GUARD_DUAL_BACK, lessThan(shape, vec3(0.0)));
+    GUARD(GUARD_DUAL_BACK, lessThan(shape * exp(-0.5 * z2), vec3(-0.01)));
     return max(v.mass * shape, 0.0) * (0.564189584 * sqrt(both) * exp(-0.5 * z2));
 }
 

@@ -6,6 +6,8 @@
 //   GUARD(id, hit)    notes id where hit (a bool or a vector of them) is true
 //   GUARD_LIVE(on)    what follows counts for something: it is false where the
 //                     formula itself multiplies the result by zero
+// A hit is a bend that matters: where what is bent is next to nothing of the
+// whole by the formula itself, the condition says so and no hit is counted.
 //   guard_bits        what was noted; a word for each room
 // A choice between two formulas is no guard; neither is a limit that the formula
 // itself has (smoothstep's ends, light that no fibre gets from behind it).
@@ -25,13 +27,13 @@ const int GUARD_ETA_STAR = 10;   // eta* is at least 1.0001 (eq 24)
 const int GUARD_WEIGHT = 11;     // a node's weight, rounded, is not below 0
 const int GUARD_GAUSS_FLAT = 12; // two circular Gaussians, both constant
 const int GUARD_DUAL_COS_D = 32;     // cos theta_d is at least 1e-4
-const int GUARD_DUAL_R = 33;         // series of N^G_R is not below 0
-const int GUARD_DUAL_TT = 34;        // series of N^G_TT is not below 0
-const int GUARD_DUAL_TRT = 35;       // series of N^G_TRT is not below 0
+const int GUARD_DUAL_R = 33;         // N^G_R: below 0 by over .01 of its mean
+const int GUARD_DUAL_TT = 34;        // N^G_TT: the same
+const int GUARD_DUAL_TRT = 35;       // N^G_TRT: the same
 const int GUARD_DUAL_TILT = 36;      // a channel's shift: at most one width
 const int GUARD_DUAL_WIDEN = 37;     // a channel's width: at most twice
 const int GUARD_DUAL_FINISH = 38;    // sum over theta_i is not below 0
-const int GUARD_DUAL_BACK = 39;      // S_back's Hermite shape is not below 0
+const int GUARD_DUAL_BACK = 39;      // S_back: below 0 by over .01 of its peak
 const int GUARD_DUAL_CENTRE = 40;    // centre of light times S_back: +-pi/2
 const int GUARD_DUAL_MORE = 41;      // circular over plain Gaussian: e^60
 const int GUARD_DUAL_HALF = 42;      // half a plain Gaussian is not below 0

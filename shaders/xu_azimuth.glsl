@@ -79,7 +79,6 @@ float xu_eta_column(float eta)
 // Columns run over the logarithm of lambda' in [1e-3, 10]; lambda'^2 = 2/kappa.
 float xu_lambda_column(float kappa)
 {
-    GUARD(GUARD_LAMBDA_WIDE, kappa < 0.02);
     GUARD(GUARD_LAMBDA_FINE, kappa > 2e6);
     float l2 = 0.5 - 0.5 * log2(max(kappa, 1e-12));
     return clamp((l2 + 9.96578428) * 0.0752574990, 0.0, 1.0);
@@ -174,7 +173,6 @@ void xu_trt_triple(Fibre f, XuPath p, vec3 t2, vec3 energy, inout XuTrt n)
     n.sin_half = z * sqrt(z) * p.inverse_eta2;
     n.cos_half = sqrt(p.over1 * (1.0 / 3.0)) * (4.0 - z) * p.inverse_eta2;
     float angle = 4.0 * special_atan01(n.sin_half / (1.0 + n.cos_half));
-    GUARD(GUARD_TRT_ANGLE, angle < 1e-3);
     angle = max(angle, 1e-3); // nothing of b2 is left there
     // N_TRT(0) (eq 9): h = 0, and from eta' = sqrt 2 on the two h0 where
     // cos(gamma_i) = eta'^2/2 - 1 and cos(gamma_t) = eta'/2.
@@ -187,6 +185,8 @@ void xu_trt_triple(Fibre f, XuPath p, vec3 t2, vec3 energy, inout XuTrt n)
     float away = 1.0 - exp(-4.0 * sc * sc);
     n.b2 = peak * (away * away / (3.0 * z));
     vec3 rest = 0.5 * p.enter * energy * t2 - 1.77245385 * angle * n.b2;
+    GUARD(GUARD_TRT_ANGLE, angle == 1e-3 && // with a millionth of the light
+                               any(greaterThan(2e-3 * n.b2, 1e-6 * rest)));
     GUARD(GUARD_TRT_REST, lessThan(rest, vec3(0.0)));
     n.b = max(rest, 0.0) * (0.282094792 * inverse_w); // 1/(2 sqrt pi)
     float kc = 2.0 * inverse_w * inverse_w;
@@ -212,6 +212,7 @@ XuTrt xu_trt_lobe(Fibre f, XuPath p, float eta_column, float theta)
 // Eq 13, 14 with Schlick's F; f0 = F at normal incidence, c = cos theta_d.
 float xu_n_r(float f0, XuLight l, XuPlace p)
 {
+    GUARD(GUARD_LAMBDA_WIDE, p.kappa < 0.02 && p.fall > 0.01);
     float column = xu_lambda_column(p.kappa), c = p.cos_d;
     vec3 odd = xu_cosine_odd(column, l.across);
     vec3 even = xu_cosine_even(column, l.across);

@@ -120,7 +120,7 @@ void xu_nodes_next(inout XuNodes n, XuLong g, int s, out vec3 t,
     weight = max(rise, 0.0) + max(fall, 0.0);
     weight *= vec3(lessThan(g.lo, t)) * vec3(lessThan(t, g.hi));
     GUARD_LIVE(any(greaterThan(weight, vec3(0.0))));
-    GUARD(GUARD_WEIGHT, lessThan(min(rise, fall), vec3(0.0)));
+    GUARD(GUARD_WEIGHT, lessThan(min(rise, fall), vec3(-1e-6)));
     n.t0 = n.t1;
     n.e0 = n.e1;
     n.q0 = n.q1;
