@@ -2,6 +2,7 @@
 #   make              build/glintd and build/glint
 #   make run          build, then serve a built-in groom (ARGS= adds options)
 #   make test         all tests; last line "N passed, N failed, N skipped"
+#   make extremes     stiff and extreme cases, at length: docs/EXTREMES.md
 #   make test-long    the sweeps, soaks and long fuzzing as well
 #   make floors       reject an #include that points up a floor
 #   make format       clang-format in place;  make check-format  only looks
@@ -31,10 +32,10 @@ SERVER := $(filter-out server/main.c,$(wildcard server/*.c))
 objs = $(patsubst %.c,$(B)/obj/%.o,$(1))
 LIB_OBJS := $(call objs,$(GROUND) $(RENDERER) $(SERVER))
 
-# A C test is tests/{unit,numeric,render,fuzz}/test_NAME.c; helpers beside it
+# A C test is tests/{unit,numeric,render,fuzz,extremes}/test_NAME.c; helpers beside it
 # that do not begin with test_ are linked into every test of that folder.
 CTESTS := $(wildcard tests/unit/test_*.c tests/numeric/test_*.c \
-	tests/render/test_*.c tests/fuzz/test_*.c)
+	tests/render/test_*.c tests/fuzz/test_*.c tests/extremes/test_*.c)
 CTEST_BINS := $(patsubst tests/%.c,$(B)/tests/%,$(CTESTS))
 PYTESTS := $(wildcard tests/unit/test_*.py tests/numeric/test_*.py \
 	tests/render/test_*.py tests/wire/test_*.py tests/browser/test_*.py)
@@ -97,12 +98,17 @@ $(B)/gen/shader_list.h: $(SHADERS) Makefile
 $(B)/obj/renderer/embed.o: $(SHADERS) $(B)/gen/shader_list.h
 $(B)/obj/server/pages.o: $(wildcard web/*)
 
+BESIDE_EXTREMES := tests/numeric/cases.c tests/numeric/xu_double.c \
+	tests/render/scene.c
+$(B)/tests/extremes/%: BESIDE = $(BESIDE_EXTREMES)
+$(B)/tests/extremes/test_extremes $(B)/tests/extremes/bench_extremes: \
+	$(wildcard tests/extremes/*.[ch]) $(BESIDE_EXTREMES)
 $(B)/tests/%: tests/%.c $(LIB_OBJS)
 	@mkdir -p $(@D)
 	$(call say,CC $<)
 	$(Q)$(CC) $(CFLAGS_ALL) -MMD -MP -MF $@.d $(LDFLAGS_ALL) -o $@ $< \
 	    $(filter-out $(wildcard $(dir $<)test_*.c $(dir $<)bench_*.c), \
-	        $(wildcard $(dir $<)*.c)) \
+	        $(wildcard $(dir $<)*.c)) $(BESIDE) \
 	    $(LIB_OBJS) $(LIBS_D)
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)
@@ -153,6 +159,14 @@ bench-forward: deps
 bench-encode: deps
 	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_encode
 	@$(B)/tests/bench/bench_encode $(ARGS)
+
+# Stiff and extreme cases at length: makes docs/EXTREMES.md from scratch, fails
+# when a law is broken.
+.PHONY: extremes
+extremes: deps
+	+@$(MAKE) --no-print-directory -s $(B)/tests/extremes/bench_extremes
+	@$(B)/tests/extremes/bench_extremes $(B)/EXTREMES.md && \
+	    mv $(B)/EXTREMES.md docs/EXTREMES.md
 
 # Pages of the docs that the programs write themselves.
 .PHONY: docs

@@ -40,11 +40,11 @@ const int GUARD_DUAL_HALF = 42;      // half a plain Gaussian is not below 0
 const int GUARD_DUAL_RANGE = 43;     // mean over theta spans at least .02
 const int GUARD_DUAL_SIGMA = 44;     // sigma_b is at least 1e-4
 const int GUARD_DUAL_GRAZING = 45;   // cos theta_j is at least 1e-3 (eq 27)
-const int GUARD_SHADOW_LEAST = 64;    // G(s) is at least 7e-6
-const int GUARD_SHADOW_FALL = 65;     // ln G(0) - ln G(s) is at least 1e-6
-const int GUARD_SHADOW_LAW = 66;      // R(s) stays between its bounds
-const int GUARD_SHADOW_FORWARD = 67;  // T_f stays between T~ and G(0)
-const int GUARD_SHADOW_CROSSINGS = 68; // crossings are not below 0
+const int GUARD_SHADOW_LEAST = 64;    // no G(s) is below 7e-6
+const int GUARD_SHADOW_FALL = 65;     // G(s) is not above G(0) (by .001)
+const int GUARD_SHADOW_LAW = 66;      // R(s) stays within bounds (.001 of T_f)
+const int GUARD_SHADOW_FORWARD = 67;  // T_f is not below T~ (by .001)
+const int GUARD_SHADOW_CROSSINGS = 68; // crossings are not below 0 (by .01)
 
 const int GUARD_WORDS = 3;
 uint guard_bits[GUARD_WORDS] = uint[](0u, 0u, 0u);

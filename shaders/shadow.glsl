@@ -196,7 +196,7 @@ ShadowLaw shadow_law(vec4 g)
     vec3 fall = log(max(g.w, least)) - log_g;
     GUARD_LIVE(g.w > 0.0);
     GUARD(GUARD_SHADOW_LEAST, lessThan(g, vec4(least)));
-    GUARD(GUARD_SHADOW_FALL, lessThan(fall, vec3(1e-6)));
+    GUARD(GUARD_SHADOW_FALL, lessThan(fall, vec3(-1e-3)));
     vec3 R = vec3(1.0, 0.3, 0.05) / max(fall, vec3(1e-6));
     ShadowLaw l;
     l.r = R.x * (1.0 / 0.665) * vec3(0.015, -0.35, 1.0) -
@@ -227,9 +227,14 @@ vec3 shadow_forward(ShadowLaw l, vec3 a)
     vec3 s = clamp(1.0 - a, 0.0, 1.0);
     vec3 R = clamp(l.r.x + s * (l.r.y + s * l.r.z), l.bounds.x, l.bounds.y);
     GUARD_LIVE(l.open > 0.0);
+    // By what it makes of T_f: a node holds 1.5e-5.
     GUARD(GUARD_SHADOW_LAW,
-          notEqual(R, l.r.x + s * (l.r.y + s * l.r.z)));
-    GUARD(GUARD_SHADOW_FORWARD, lessThan(l.open * exp(-s / R), vec3(l.clear)));
+          greaterThan(l.open * abs(exp(-s / R) -
+                                   exp(-s / max(l.r.x + s * (l.r.y + s * l.r.z),
+                                                1e-6))),
+                      vec3(1e-3)));
+    GUARD(GUARD_SHADOW_FORWARD,
+          lessThan(l.open * exp(-s / R), vec3(l.clear - 1e-3)));
     return clamp(l.open * exp(-s / R), l.clear, l.open);
 }
 
@@ -240,6 +245,6 @@ vec3 shadow_crossings(ShadowLaw l, vec3 a)
     vec3 s = clamp(1.0 - a, 0.0, 1.0);
     vec3 R = clamp(l.r.x + s * (l.r.y + s * l.r.z), l.bounds.x, l.bounds.y);
     vec3 rest = R - s * (l.r.y + 2.0 * s * l.r.z);
-    GUARD(GUARD_SHADOW_CROSSINGS, lessThan(rest, vec3(0.0)));
+    GUARD(GUARD_SHADOW_CROSSINGS, lessThan(rest, -0.01 * R));
     return l.open > 0.0 ? (1.0 - s) * max(rest, 0.0) / (R * R) : vec3(0.0);
 }

@@ -69,7 +69,7 @@ XuPlace xu_place(float theta_i, float theta_o, XuLight l)
 {
     float theta_d = 0.5 * (theta_o - theta_i), ci = special_cos(theta_i);
     XuPlace p;
-    GUARD_LIVE(ci > 1e-6); // else nothing comes of it
+    GUARD_LIVE(abs(theta_i) < XU_HALF_PI); // else nothing comes of it
     GUARD(GUARD_COS_D, special_cos(theta_d) < 1e-6);
     p.cos_d = max(special_cos(theta_d), 1e-6);
     p.theta = abs(theta_d) * (1.0 / XU_HALF_PI);
