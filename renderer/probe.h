@@ -17,12 +17,14 @@ enum {
     PROBE_BATCH = 16384
 };
 
-struct probe_setup { // scheme `paper`
+struct probe_setup {
     int m;           // segments, 2..256
     bool fine_nodes; // the layout that converges, else the printed one
     int tables;      // times the paper's resolution, 1..8
     double delta_eta;
     bool opaque; // the variant without TT and TRT
+    bool best;   // scheme `best`, to which all but `opaque` is nothing; else
+                 // `paper`
 };
 
 struct probe; // two program variants, buffers and tables
@@ -31,7 +33,9 @@ struct probe *probe_create(const struct probe_setup *setup, struct error *err);
 void probe_destroy(struct probe *p); // NULL is allowed
 
 // cases: PROBE_INPUTS floats each, results: PROBE_OUTPUTS floats each; any
-// count, done in batches.  Values must be legal; nothing is checked here.
+// count, done in batches; scheme `best` wants cases of one fibre (the first ten
+// numbers but the angles) side by side.  Values must be legal; nothing is
+// checked here.
 bool probe_run(struct probe *p, const float *cases, size_t count,
                float *results, struct error *err);
 

@@ -37,6 +37,7 @@ void shading_finish(struct shading *s)
         gl.DeleteProgram(s->variant[i].program);
     gl.DeleteBuffers(1, &s->params);
     xu_tables_destroy(s->tables);
+    best_lobes_destroy(s->lobes);
     dual_tables_destroy(s->dual);
     fast_tables_destroy(s->fast);
     memset(s, 0, sizeof *s);
@@ -76,6 +77,12 @@ static const char *view_of(int components)
     return components > LAST_LIGHT ? views[components - LAST_LIGHT - 1] : NULL;
 }
 
+// Does anything read the tables of scheme `paper`?
+static bool wants_tables(const struct shading *s, const struct params *p)
+{
+    return (p->render.scheme == 0 && !s->tabled) || p->render.multiple == 1;
+}
+
 static void name_base(struct shading *s, const struct params *p,
                       const struct strands *strands, int shown)
 {
@@ -85,13 +92,17 @@ static void name_base(struct shading *s, const struct params *p,
     s->circular = !shading_wants_axis(p);
     s->opaque_bound = opaque_bound(p);
     s->opaque = s->opaque_bound < negligible;
-    s->m = p->render.m > FIXED_M ? p->render.m : 0;
+    // segments are the paper's affair
+    bool paper = wants_tables(s, p);
+    s->m = paper && p->render.m > FIXED_M ? p->render.m : 0;
     s->base[0] = 0;
     snprintf(m, sizeof m, "XU_M=%d", p->render.m);
-    if (!s->m)
+    if (paper && !s->m)
         add(s->base, m);
-    if (p->render.nodes == 1)
+    if (paper && p->render.nodes == 1)
         add(s->base, "XU_FINE_NODES");
+    if (s->best)
+        add(s->base, "XU_BEST");
     if (!s->circular)
         add(s->base, "XU_ECCENTRIC");
     if (s->tabled)
@@ -124,6 +135,20 @@ static void choose_components(struct shading *s, int shown)
     s->share[0] = shown == 0 || shown == LAST_SINGLE + 1;
     s->share[1] = shown == 0 || shown == LAST_SINGLE + 2;
     s->adds_up = shown <= LAST_LIGHT;
+}
+
+static void update_lobes(struct shading *s, const struct params *p)
+{
+    const struct best_fibre f = {
+        .eta = p->fibre.eta,
+        .sigma_a = {p->fibre.sigma_a[0], p->fibre.sigma_a[1],
+                    p->fibre.sigma_a[2]},
+        .a = p->fibre.a,
+        .w_c = p->fibre.w_c * M_PI / 180,
+    };
+    if (!s->lobes)
+        s->lobes = best_lobes_create();
+    best_lobes_update(s->lobes, &f);
 }
 
 static struct dual_fibre fibre_of(const struct params *p)
@@ -165,6 +190,7 @@ static void choose_path(struct shading *s, const struct params *p)
         s->refused = p->render.multiple == 1 ? "render.multiple is paper"
                                              : fast_tables_refuse(&f);
     s->tabled = asked && !s->refused;
+    s->best = p->render.scheme == 1 && !s->tabled;
 }
 
 static void update_fast(struct shading *s, const struct params *p)
@@ -191,11 +217,14 @@ void shading_update(struct shading *s, const struct params *p,
 {
     s->shadowed = shadowed;
     shading_show(s, p, strands, p->render.components);
+    if (s->best)
+        update_lobes(s, p);
     if (s->multiple)
         update_dual(s, p);
     if (s->tabled)
         update_fast(s, p);
-    if (!s->tables || s->tables->times != p->render.tables) {
+    if (wants_tables(s, p) &&
+        (!s->tables || s->tables->times != p->render.tables)) {
         xu_tables_destroy(s->tables);
         s->tables = xu_tables_create(p->render.tables);
     }
@@ -253,7 +282,10 @@ void shading_bind_inputs(struct shading *s, unsigned program,
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, strands->strand);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, strands->colour);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, strands->axis);
-    xu_tables_bind(s->tables);
+    if (s->tables)
+        xu_tables_bind(s->tables);
+    if (s->best)
+        best_lobes_bind(s->lobes);
     if (s->multiple)
         dual_tables_bind(s->dual);
 }

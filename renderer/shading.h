@@ -8,6 +8,7 @@
 
 #include "protocol/error.h"
 #include "protocol/params.h"
+#include "renderer/best_lobes.h"
 #include "renderer/dual_tables.h"
 #include "renderer/fast_tables.h"
 #include "renderer/nodes.h"
@@ -26,14 +27,16 @@ struct shading {
     struct shading_variant variant[SHADING_VARIANTS];
     char base[SHADING_DEFINES]; // what the parameters ask for
     unsigned clock;
-    unsigned params; // uniform block
-    struct xu_tables *tables;
+    unsigned params;          // uniform block
+    struct xu_tables *tables; // NULL unless a part has scheme `paper`
+    struct best_lobes *lobes; // made when scheme `best` is first asked for
     int m; // segments, where the program has them as a uniform
     struct dual_tables *dual; // made when it is first asked for
     struct fast_tables *fast; // the same
     const char *refused;      // why tables were asked for in vain, or NULL
     bool circular, opaque, shadowed, multiple;
     bool tabled;         // render.path=table, and the tables hold
+    bool best;           // single scattering by scheme `best`
     double opaque_bound; // what leaving TT and TRT out can change, of R
     float mask[3];       // R, TT, TRT shown
     float share[2];      // global, local multiple scattering shown

@@ -332,15 +332,16 @@ static bool choose_all(struct batch *b, const char *what, const char *scheme,
     int form = choose("what", what, form_names, PROBE_LINE_FORMS);
     if (form < 0)
         return false;
-    // Single scattering has no scheme `best`.
-    int skip = form == PROBE_LINE_SINGLE;
-    int chosen = choose("scheme", *scheme ? scheme : scheme_names[skip],
-                        scheme_names + skip, SCHEMES - skip);
+    if (!*scheme)
+        scheme = scheme_names[form == PROBE_LINE_SINGLE ? SCHEME_PAPER
+                                                        : SCHEME_BEST];
+    int chosen = choose("scheme", scheme, scheme_names, SCHEMES);
     int layout = chosen < 0 ? -1 : choose("nodes", nodes, layouts, 2);
     if (layout < 0)
         return false;
     b->form = (enum probe_line_form)form;
-    b->scheme = (enum scheme)(chosen + skip);
+    b->scheme = (enum scheme)chosen;
+    setup->best = b->scheme == SCHEME_BEST;
     b->limit = b->scheme == SCHEME_EXACT ? SLOW_BATCH : PROBE_BATCH;
     b->delta_eta = setup->delta_eta =
         params_find("fibre.delta_eta", 15)->def[0];

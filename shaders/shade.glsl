@@ -10,6 +10,9 @@
 #include "cells.glsl"
 #include "lights.glsl"
 #include "xu.glsl"
+#ifdef XU_BEST
+#include "best.glsl"
+#endif
 #include "place.glsl"
 #ifdef WITH_SHADOW
 #include "shadow.glsl"
@@ -25,7 +28,12 @@
 #define SINGLE_MODES fast_modes
 #define MULTIPLE_MODES fast_multiple
 #else
+#ifdef XU_BEST
+#define SINGLE_MODES(f, l, theta_o, phi_o, r, tt, trt)                         \
+    best_modes(f, best, l, theta_o, phi_o, r, tt, trt)
+#else
 #define SINGLE_MODES xu_modes
+#endif
 #define MULTIPLE_MODES(f, v, l, phi_o, sigma_f, g, l0, l1)                     \
     dual_modes(f, v, l, phi_o, sigma_f, vec3(1.0), g, l0, l1)
 #endif
@@ -150,6 +158,9 @@ vec3 shade(Place c, uint at, uint first, uint end)
     Fibre fibre = fibre_here();
 #ifdef WITH_MULTIPLE
     DualView view = dual_view(theta_o);
+#endif
+#if defined(XU_BEST) && defined(WITH_SINGLE)
+    BestFibre best = best_fibre();
 #endif
     vec3 sum = vec3(0.0);
     for (uint j = first; j < end; j++) {

@@ -1,5 +1,6 @@
 // Milliseconds of an edit, stage by stage, and what leaving things out saves.
-//   bench_stages [--runs N] GROOM...      (default: animation straight)
+//   bench_stages [--runs N] [--only WORD] GROOM...
+// (default: animation straight; WORD: edits that have it in their name)
 // One JSON line for each groom and edit: medians over N runs (default 10) after
 // two to warm up, at 720x480, 40 lights, one sample, JPEG 75 4:2:0.
 #include <math.h>
@@ -107,6 +108,38 @@ static void edit_few_lights(struct params *p, int k)
     edit_sigma(p, k);
 }
 
+static void edit_best(struct params *p, int k)
+{
+    p->render.scheme = 1;
+    edit_sigma(p, k);
+}
+static void edit_paper(struct params *p, int k)
+{
+    p->render.scheme = 0;
+    edit_sigma(p, k);
+}
+static void edit_single_best(struct params *p, int k)
+{
+    p->render.multiple = 0;
+    edit_best(p, k);
+}
+static void edit_single_paper(struct params *p, int k)
+{
+    p->render.multiple = 0;
+    edit_paper(p, k);
+}
+static void edit_eccentric_best(struct params *p, int k)
+{
+    edit_eccentric(p, k);
+    p->render.multiple = 0;
+    p->render.scheme = 1;
+}
+static void edit_eccentric_paper(struct params *p, int k)
+{
+    edit_eccentric(p, k);
+    p->render.multiple = p->render.scheme = 0;
+}
+
 static const struct edit {
     const char *name;
     edit_fn *run;
@@ -121,6 +154,12 @@ static const struct edit {
     {"sigma_a > 20 (TT, TRT left out)", edit_opaque},
     {"sigma_a, light_bound = 0 (no light left out)", edit_all_lights},
     {"sigma_a, light_bound = 0.02", edit_few_lights},
+    {"sigma_a, scheme paper", edit_paper},
+    {"sigma_a, scheme best", edit_best},
+    {"sigma_a, scheme paper, multiple off", edit_single_paper},
+    {"sigma_a, scheme best, multiple off", edit_single_best},
+    {"sigma_a, scheme paper, multiple off, a = 0.9", edit_eccentric_paper},
+    {"sigma_a, scheme best, multiple off, a = 0.9", edit_eccentric_best},
 };
 
 static void measure(struct renderer *r, const char *groom, const struct edit *e,
@@ -154,7 +193,8 @@ static void measure(struct renderer *r, const char *groom, const struct edit *e,
     fflush(stdout);
 }
 
-static void scene(const char *name, int runs)
+// only: edits that have this in their name; NULL: all.
+static void scene(const char *name, const char *only, int runs)
 {
     struct error err = {0};
     struct params p;
@@ -176,26 +216,29 @@ static void scene(const char *name, int runs)
            "\"median_ms\":%.1f,\"device\":\"%s\"}\n",
            name, 1e3 * (timer_now() - began), renderer_device(r));
     for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++)
-        measure(r, name, &edits[i], runs);
+        if (!only || strstr(edits[i].name, only))
+            measure(r, name, &edits[i], runs);
     renderer_destroy(r);
 }
 
 int main(int argc, char **argv)
 {
     static const char *const usual[] = {"animation", "straight"};
+    const char *only = NULL;
     int runs = 10, first = 1;
     sky_helper_main(argc, argv);
-    if (argc > 2 && strcmp(argv[1], "--runs") == 0) {
-        runs = atoi(argv[2]);
-        first = 3;
-    }
+    for (; argc > first + 1 && argv[first][0] == '-'; first += 2)
+        if (strcmp(argv[first], "--runs") == 0)
+            runs = atoi(argv[first + 1]);
+        else
+            only = argv[first + 1];
     if (runs < 1 || runs > RUNS_MAX) {
         fprintf(stderr, "bench_stages: --runs: 1 to %d\n", RUNS_MAX);
         return 2;
     }
     for (int i = first; i < argc; i++)
-        scene(argv[i], runs);
+        scene(argv[i], only, runs);
     for (size_t i = 0; first >= argc && i < 2; i++)
-        scene(usual[i], runs);
+        scene(usual[i], only, runs);
     return 0;
 }
