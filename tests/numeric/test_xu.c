@@ -8,78 +8,16 @@
 #include "tests/check.h"
 #include "tests/numeric/cases.h"
 #include "tests/numeric/checks.h"
+#include "tests/numeric/sets.h"
 #include "tests/numeric/xu_double.h"
 
 enum { RANDOM = 2000 };
 
 static const double pi = 3.14159265358979323846;
 
-struct set { // cases with what they make
-    size_t count;
-    struct exact_case *c;
-    float *in, *out;
-    double (*want)[EXACT_MODES], (*mean)[EXACT_MODES];
-};
-
-static void *array(size_t count, size_t size)
-{
-    void *p = calloc(count, size);
-    if (!p)
-        abort();
-    return p;
-}
-
-static struct set set_create(size_t count)
-{
-    struct set s = {.count = count};
-    s.c = array(count, sizeof *s.c);
-    s.in = array(count * PROBE_INPUTS, sizeof *s.in);
-    s.out = array(count * PROBE_OUTPUTS, sizeof *s.out);
-    s.want = array(count, sizeof *s.want);
-    s.mean = array(count, sizeof *s.mean);
-    return s;
-}
-
-static void set_destroy(struct set *s)
-{
-    free(s->c);
-    free(s->in);
-    free(s->out);
-    free(s->want);
-    free(s->mean);
-}
-
-static bool on_gpu(struct set *s, struct probe_setup setup)
-{
-    struct error err = {0};
-    setup.delta_eta = 0.3;
-    struct probe *p = probe_create(&setup, &err);
-    for (size_t i = 0; i < s->count; i++)
-        cases_to_floats(&s->c[i], s->in + PROBE_INPUTS * i);
-    bool ok = p && probe_run(p, s->in, s->count, s->out, &err);
-    if (!ok)
-        printf("  %s\n", err.text);
-    probe_destroy(p);
-    return CHECK(ok);
-}
-
-// Errors of the modes that hold more than 1e-5 of the brightest one: what is
-// below cannot be seen, and single precision need not resolve it.
-static void compare(struct set *s, struct cases_errors *e)
-{
-    for (size_t i = 0; i < s->count; i++) {
-        const double *mean = s->mean[i];
-        double top = fmax(mean[0], fmax(mean[1], mean[2]));
-        for (int t = 0; t < EXACT_MODES; t++)
-            if (mean[t] > 1e-5 * top && top > 1e-30)
-                cases_add(e, cases_error((double)s->out[3 * i + (size_t)t],
-                                         s->want[i][t], mean[t]));
-    }
-}
-
 static struct set random_set(size_t count)
 {
-    struct set s = set_create(count);
+    struct set s = sets_create(count);
     uint64_t state = 20110812;
     for (size_t i = 0; i < count; i++) {
         s.c[i] = cases_random(&state, i % 2 ? CASES_BROAD : CASES_TYPICAL, 1);
@@ -96,7 +34,7 @@ static void want(struct set *s, int m, bool fine)
 
 static void test_check_values(void)
 {
-    struct set s = set_create(CHECKS_ROWS);
+    struct set s = sets_create(CHECKS_ROWS);
     struct cases_errors e = {0};
     for (size_t i = 0; i < s.count; i++) {
         s.c[i] = cases_from_doubles(checks[i]);
@@ -113,13 +51,13 @@ static void test_check_values(void)
     // The paper's table resolution: what is printed in the paper, as far as its
     // tables carry it.
     check_case("xu_gpu_check_values");
-    if (on_gpu(&s, (struct probe_setup){.m = 4, .tables = 1})) {
-        compare(&s, &e);
+    if (sets_on_gpu(&s, (struct probe_setup){.m = 4, .tables = 1})) {
+        sets_compare(&s, &e);
         CHECK_ATMOST(cases_quantile(&e, 0.5), 0.01);
         CHECK_ATMOST(cases_quantile(&e, 1), 0.05);
     }
     cases_finish(&e);
-    set_destroy(&s);
+    sets_destroy(&s);
 }
 
 // Tolerances: with fine tables what is left is single precision (exponents up
@@ -131,8 +69,8 @@ static void test_random(void)
     struct cases_errors fine = {0}, paper = {0};
     want(&s, 4, false);
     check_case("xu_gpu_as_double_fine_tables");
-    if (on_gpu(&s, (struct probe_setup){.m = 4, .tables = 8})) {
-        compare(&s, &fine);
+    if (sets_on_gpu(&s, (struct probe_setup){.m = 4, .tables = 8})) {
+        sets_compare(&s, &fine);
         printf("  median %.2g, p99 %.2g, max %.2g\n",
                cases_quantile(&fine, 0.5), cases_quantile(&fine, 0.99),
                cases_quantile(&fine, 1));
@@ -140,8 +78,8 @@ static void test_random(void)
         CHECK_ATMOST(cases_quantile(&fine, 0.99), 3e-4);
     }
     check_case("xu_gpu_as_double_paper_tables");
-    if (on_gpu(&s, (struct probe_setup){.m = 4, .tables = 1})) {
-        compare(&s, &paper);
+    if (sets_on_gpu(&s, (struct probe_setup){.m = 4, .tables = 1})) {
+        sets_compare(&s, &paper);
         printf("  median %.2g, p99 %.2g, max %.2g\n",
                cases_quantile(&paper, 0.5), cases_quantile(&paper, 0.99),
                cases_quantile(&paper, 1));
@@ -150,7 +88,7 @@ static void test_random(void)
     }
     cases_finish(&fine);
     cases_finish(&paper);
-    set_destroy(&s);
+    sets_destroy(&s);
 }
 
 // The general loop, which m = 4 does not take, in both layouts.
@@ -172,14 +110,14 @@ static void test_layouts(void)
             .m = way[i].m, .tables = 8, .fine_nodes = way[i].fine};
         check_case(way[i].name);
         want(&s, way[i].m, way[i].fine);
-        if (on_gpu(&s, setup)) {
-            compare(&s, &e);
+        if (sets_on_gpu(&s, setup)) {
+            sets_compare(&s, &e);
             CHECK_ATMOST(cases_quantile(&e, 0.5), 1e-5);
             CHECK_ATMOST(cases_quantile(&e, 0.99), 5e-4);
         }
         cases_finish(&e);
     }
-    set_destroy(&s);
+    sets_destroy(&s);
 }
 
 // Largest error but for one case in ten, of s against `limit`.
@@ -189,7 +127,7 @@ static double distance(struct set *s, const float *limit)
     for (size_t i = 0; i < s->count; i++)
         for (size_t t = 0; t < EXACT_MODES; t++)
             s->want[i][t] = (double)limit[3 * i + t];
-    compare(s, &e);
+    sets_compare(s, &e);
     double d = cases_quantile(&e, 0.9);
     cases_finish(&e);
     return d;
@@ -198,15 +136,19 @@ static double distance(struct set *s, const float *limit)
 static void test_convergence(void)
 {
     struct set s = random_set(200);
-    float *limit = array(3 * s.count, sizeof *limit);
+    float *limit = sets_array(3 * s.count, sizeof *limit);
     check_case("xu_fine_nodes_converge");
-    bool ok = on_gpu(&s, (struct probe_setup){256, true, 8, 0, false});
+    bool ok =
+        sets_on_gpu(&s, (struct probe_setup){256, true, 8, 0, false, false});
     memcpy(limit, s.out, 3 * s.count * sizeof *limit);
-    ok = ok && on_gpu(&s, (struct probe_setup){16, true, 8, 0, false});
+    ok = ok &&
+         sets_on_gpu(&s, (struct probe_setup){16, true, 8, 0, false, false});
     double at16 = distance(&s, limit);
-    ok = ok && on_gpu(&s, (struct probe_setup){64, true, 8, 0, false});
+    ok = ok &&
+         sets_on_gpu(&s, (struct probe_setup){64, true, 8, 0, false, false});
     double at64 = distance(&s, limit);
-    ok = ok && on_gpu(&s, (struct probe_setup){64, false, 8, 0, false});
+    ok = ok &&
+         sets_on_gpu(&s, (struct probe_setup){64, false, 8, 0, false, false});
     double paper = distance(&s, limit);
     printf("  distance from fine m = 256: fine 16 %.2g, fine 64 %.2g, paper 64 "
            "%.2g\n",
@@ -219,13 +161,14 @@ static void test_convergence(void)
     // As printed, more segments only reach farther out.
     CHECK(paper > 5 * at64);
     check_case("xu_paper_nodes_do_not_converge");
-    ok = on_gpu(&s, (struct probe_setup){16, false, 8, 0, false});
+    ok = sets_on_gpu(&s, (struct probe_setup){16, false, 8, 0, false, false});
     memcpy(limit, s.out, 3 * s.count * sizeof *limit);
-    ok = ok && on_gpu(&s, (struct probe_setup){256, false, 8, 0, false});
+    ok = ok &&
+         sets_on_gpu(&s, (struct probe_setup){256, false, 8, 0, false, false});
     CHECK(ok);
     CHECK_ATMOST(distance(&s, limit), 1e-4);
     free(limit);
-    set_destroy(&s);
+    sets_destroy(&s);
 }
 
 static void check_sane(const struct set *s)
@@ -250,7 +193,7 @@ static struct set corner_set(void)
     static const double w_c[] = {0.5, 60}, a[] = {0.71, 1, 1.41};
     static const double lambda[] = {1e-3, 2}, theta[] = {-90, 0, 90};
     static const double phi[] = {0, 90, 180};
-    struct set s = set_create(2 * 2 * 3 * 2 * 2 * 3 * 2 * 3 * 3 * 3);
+    struct set s = sets_create(2 * 2 * 3 * 2 * 2 * 3 * 2 * 3 * 3 * 3);
     const double deg = pi / 180;
     for (size_t i = 0; i < s.count; i++) {
         size_t n = i;
@@ -276,7 +219,7 @@ static struct set corner_set(void)
 // All over the legal box; and eta' = 2 from both sides, ever closer.
 static struct set wild_set(size_t count)
 {
-    struct set s = set_create(count);
+    struct set s = sets_create(count);
     uint64_t state = 7;
     for (size_t i = 0; i < count; i++) {
         double v[PROBE_INPUTS];
@@ -310,21 +253,23 @@ static void test_extremes(void)
         const char *corner, *wild;
         struct probe_setup setup;
     } way[] = {
-        {"xu_corners", "xu_wild", {4, false, 1, 0, false}},
-        {"xu_corners_m2", "xu_wild_m2", {2, false, 1, 0, false}},
-        {"xu_corners_m17_fine", "xu_wild_m17_fine", {17, true, 2, 0, false}},
+        {"xu_corners", "xu_wild", {4, false, 1, 0, false, false}},
+        {"xu_corners_m2", "xu_wild_m2", {2, false, 1, 0, false, false}},
+        {"xu_corners_m17_fine",
+         "xu_wild_m17_fine",
+         {17, true, 2, 0, false, false}},
     };
     struct set corners = corner_set(), wild = wild_set(20000);
     for (size_t i = 0; i < sizeof way / sizeof way[0]; i++) {
         check_case(way[i].corner);
-        if (on_gpu(&corners, way[i].setup))
+        if (sets_on_gpu(&corners, way[i].setup))
             check_sane(&corners);
         check_case(way[i].wild);
-        if (on_gpu(&wild, way[i].setup))
+        if (sets_on_gpu(&wild, way[i].setup))
             check_sane(&wild);
     }
-    set_destroy(&corners);
-    set_destroy(&wild);
+    sets_destroy(&corners);
+    sets_destroy(&wild);
 }
 
 // What must be the same: mirrored in the normal plane (all theta and alpha
@@ -353,18 +298,18 @@ static void test_symmetry(void)
     static const char *const name[] = {"xu_mirror_theta", "xu_mirror_phi",
                                        "xu_quarter_turn"};
     struct set s = random_set(500), m = random_set(500);
-    const struct probe_setup setup = {4, false, 8, 0, false};
+    const struct probe_setup setup = {4, false, 8, 0, false, false};
     for (int kind = 0; kind < 3; kind++) {
         struct cases_errors e = {0};
         check_case(name[kind]);
-        bool ok = on_gpu(&s, setup);
+        bool ok = sets_on_gpu(&s, setup);
         for (size_t i = 0; i < m.count; i++) {
             m.c[i] = mirror(s.c[i], kind);
             for (int t = 0; t < EXACT_MODES; t++)
                 m.want[i][t] = (double)s.out[3 * i + (size_t)t];
         }
-        if (ok && on_gpu(&m, setup)) {
-            compare(&m, &e);
+        if (ok && sets_on_gpu(&m, setup)) {
+            sets_compare(&m, &e);
             // A turn moves angles by a rounding of 2e-7, which a lobe of width
             // 0.02 makes 1e-4 of in its flank.
             CHECK_ATMOST(cases_quantile(&e, 0.5), 1e-5);
@@ -372,8 +317,8 @@ static void test_symmetry(void)
         }
         cases_finish(&e);
     }
-    set_destroy(&s);
-    set_destroy(&m);
+    sets_destroy(&s);
+    sets_destroy(&m);
 }
 
 // Leaving out what a fibre does not need changes nothing.
@@ -385,12 +330,12 @@ static void test_variants(void)
         s.c[i].a = 1;
         m.c[i].a = 1.000001;
     }
-    const struct probe_setup setup = {4, false, 4, 0, false};
+    const struct probe_setup setup = {4, false, 4, 0, false, false};
     check_case("xu_circular_is_the_limit_of_eccentric");
-    bool ok = on_gpu(&s, setup) && on_gpu(&m, setup);
+    bool ok = sets_on_gpu(&s, setup) && sets_on_gpu(&m, setup);
     for (size_t i = 0; i < 3 * s.count; i++)
         m.want[i / 3][i % 3] = (double)s.out[i];
-    compare(&m, &e);
+    sets_compare(&m, &e);
     CHECK(ok);
     // d eta* = 4e-6 (eta - 1), seen through a caustic of width 0.05.
     CHECK_ATMOST(cases_quantile(&e, 1), 1e-3);
@@ -399,7 +344,7 @@ static void test_variants(void)
     opaque.opaque = true;
     for (size_t i = 0; i < m.count; i++)
         m.c[i].a = 1;
-    ok = on_gpu(&m, opaque);
+    ok = sets_on_gpu(&m, opaque);
     long differs = 0;
     for (size_t i = 0; i < m.count; i++)
         differs +=
@@ -408,8 +353,8 @@ static void test_variants(void)
     CHECK(ok);
     CHECK(differs == 0);
     cases_finish(&e);
-    set_destroy(&s);
-    set_destroy(&m);
+    sets_destroy(&s);
+    sets_destroy(&m);
 }
 
 int main(void)
