@@ -70,8 +70,7 @@ void fibre_scatter(const struct fibre *f, const struct fibre_direction *o,
 void fibre_albedo(const struct fibre *f, double theta,
                   double a[FIBRE_MODES][3]);
 
-// --- directions drawn from it
-// --------------------------------------------------
+// --- directions drawn from it -----------------------------------------------
 
 struct fibre_view { // an o that directions are drawn for
     struct fibre_direction o;

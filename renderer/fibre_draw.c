@@ -16,8 +16,7 @@ static const double pi = 3.14159265358979323846;
 // A Gaussian of which less than this lies within +-pi/2 is left out.
 #define NOTHING 1e-14
 
-// --- tables
-// ----------------------------------------------------------------------
+// --- tables -----------------------------------------------------------------
 
 static double *row_of(const struct fibre *f, double *table, int mode, int row)
 {
@@ -84,8 +83,7 @@ void fibre_draw_make(struct fibre *f)
     shoot_threads(FIBRE_ALBEDOS + 1, albedo_row, f);
 }
 
-// --- the Gaussian of theta_i
-// --------------------------------------------------------
+// --- the Gaussian of theta_i ------------------------------------------------
 
 static double beyond(double z) // of the normal distribution
 {
@@ -119,8 +117,7 @@ static double within(double a, double b, double u)
     return z;
 }
 
-// --- drawing
-// -------------------------------------------------------------------------
+// --- drawing ----------------------------------------------------------------
 
 void fibre_look(const struct fibre *f, const struct fibre_direction *o,
                 const double weight[3], struct fibre_view *v)

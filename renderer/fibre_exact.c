@@ -47,8 +47,7 @@ void fibre_exact_tt(const struct fibre_section *s, double phi, double n[3])
         n[k] *= spread;
 }
 
-// --- TRT: 1/2 Int A(h) g(phi - phi(h)) dh, h = sin gamma
-// ------------------------
+// --- TRT: 1/2 Int A(h) g(phi - phi(h)) dh, h = sin gamma --------------------
 
 static const double gl_x[4] = {0.1834346424956498049, 0.5255324099163289858,
                                0.7966664774136267396, 0.9602898564975362317};

@@ -11,7 +11,7 @@
 #include "renderer/reference_private.h"
 #include "renderer/strands.h"
 
-// --- the scene ---------------------------------------------------------------
+// --- the scene --------------------------------------------------------------
 
 // Central differences within the strand, as scene.glsl has them.
 static void take_tangents(struct reference *s, const struct groom *g)
@@ -141,7 +141,7 @@ const struct fibre *reference_fibre(const struct reference *s)
     return s->fibre;
 }
 
-// --- frames ------------------------------------------------------------------
+// --- frames -----------------------------------------------------------------
 
 static double dot(const double a[3], const double b[3])
 {

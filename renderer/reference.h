@@ -46,8 +46,7 @@ struct reference *renderer_reference(const struct renderer *r,
 void reference_destroy(struct reference *s); // NULL is allowed
 const struct fibre *reference_fibre(const struct reference *s);
 
-// --- light scattered once
-// ------------------------------------------------------
+// --- light scattered once ---------------------------------------------------
 
 enum {                        // flags of all functions
     REFERENCE_UNSHADOWED = 1, // every place sees the whole sky
@@ -71,8 +70,7 @@ void reference_single(const struct reference *s,
                       unsigned flags, uint64_t seed,
                       struct reference_single *out);
 
-// --- path tracing
-// --------------------------------------------------------------
+// --- path tracing -----------------------------------------------------------
 
 struct reference_progress {
     double share;        // done, 0..1
@@ -119,6 +117,8 @@ bool reference_path(const struct reference *s, const struct places_item *place,
 // no error: *samples is how many were made.
 #define REFERENCE_PATHS_MAX (1ull << 28)
 #define REFERENCE_PIXELS_MAX (1 << 22)
+bool reference_picture_fits(const struct params *p, int samples,
+                            struct error *err);
 bool reference_picture(const struct reference *s,
                        const struct reference_paths *how, float *rgba,
                        float *variance, int *samples, struct error *err);

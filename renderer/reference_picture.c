@@ -117,7 +117,8 @@ static void row(void *context, size_t y)
     }
 }
 
-static bool fits(const struct params *p, int samples, struct error *err)
+bool reference_picture_fits(const struct params *p, int samples,
+                            struct error *err)
 {
     const uint64_t pixels =
         (uint64_t)p->image.width * (uint64_t)p->image.height;
@@ -167,7 +168,7 @@ bool reference_picture(const struct reference *s,
                        float *variance, int *samples, struct error *err)
 {
     const struct params *p = &s->params;
-    if (!fits(p, how->samples, err))
+    if (!reference_picture_fits(p, how->samples, err))
         return false;
     const double began = timer_now();
     struct view v = {

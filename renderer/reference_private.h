@@ -42,8 +42,7 @@ struct reference {
     struct sky_light *light;
 };
 
-// --- random numbers: a stream is told by two numbers, whoever draws
-// ------------
+// --- random numbers: a stream is told by two numbers, whoever draws ---------
 struct reference_random {
     uint64_t state;
 };
@@ -51,8 +50,7 @@ void reference_random_begin(struct reference_random *r, uint64_t seed,
                             uint64_t a, uint64_t b);
 double reference_random_next(struct reference_random *r); // [0, 1)
 
-// --- sky
-// ----------------------------------------------------------------------
+// --- sky --------------------------------------------------------------------
 void reference_sky_make(struct reference_sky *s, const struct sky_map *map,
                         const struct params *p);
 // A direction of the texel's own, u and v in [0, 1): even in solid angle.
@@ -62,8 +60,7 @@ int reference_sky_texel(const struct reference_sky *s, const double d[3]);
 // The texel that a number of [0, 1) falls on.
 int reference_sky_draw(const struct reference_sky *s, double u);
 
-// --- a place and its frame
-// ------------------------------------------------------
+// --- a place and its frame --------------------------------------------------
 struct reference_vertex {
     double position[3];
     double u[3], v[3], w[3];

@@ -56,8 +56,7 @@ static double offered(const double e[3])
     return (e[0] + e[1] + e[2]) / 3;
 }
 
-// --- texels
-// --------------------------------------------------------------------
+// --- texels -----------------------------------------------------------------
 
 struct ray { // one direction into one texel
     double d[3];
@@ -147,8 +146,7 @@ static void by_suns(const struct job *j, struct sum *sum)
     }
 }
 
-// --- SRBF lights
-// ----------------------------------------------------------------
+// --- SRBF lights ------------------------------------------------------------
 
 static void exact_channels(const struct job *j, const struct sum *sum,
                            const struct sky_light *light,
@@ -203,8 +201,7 @@ static void by_lights(const struct job *j, struct sum *sum, uint64_t number)
     }
 }
 
-// --- places
-// ----------------------------------------------------------------------
+// --- places -----------------------------------------------------------------
 
 static void work(void *context, size_t i)
 {

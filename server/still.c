@@ -85,6 +85,23 @@ static void state_text_finish(struct state_text *t)
 }
 
 // pixels: the whole, then, when they are asked for, its parts.
+bool still_encode_layers(struct buf *out, const struct still_state *s,
+                         const struct encode_layer *layers, int count,
+                         struct error *err)
+{
+    struct state_text t = {0};
+    state_text(&t, s);
+    const struct encode_exr e = {s->params->image.width,
+                                 s->params->image.height,
+                                 false,
+                                 layers,
+                                 count,
+                                 t.list};
+    bool ok = encode_exr(out, &e, err);
+    state_text_finish(&t);
+    return ok;
+}
+
 static bool encode(struct buf *out, const struct buf *pixels,
                    const struct still_request *q, struct error *err)
 {

@@ -57,4 +57,11 @@ struct still_request {
 bool still_encode(struct buf *out, struct renderer *r,
                   struct still_request *request, struct error *err);
 
+// Pixels from elsewhere as EXR, float, with the state that made them: layers of
+// image.*, names as encode.h has them.
+struct encode_layer;
+bool still_encode_layers(struct buf *out, const struct still_state *s,
+                         const struct encode_layer *layers, int count,
+                         struct error *err);
+
 #endif

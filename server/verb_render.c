@@ -14,6 +14,7 @@
 #include "server/cache.h"
 #include "server/options.h"
 #include "server/still.h"
+#include "server/verb_reference.h"
 
 // By the name's end; -1: none that we write.
 static int format_of(const char *path)
@@ -151,13 +152,65 @@ static int render(const struct options *o, const struct wanted *want)
     return ok ? 0 : options_fail(&err);
 }
 
+static int render_reference(const struct options *o,
+                            const struct verb_reference *how)
+{
+    struct error err = {0};
+    struct buf out = {0};
+    bool ok = verb_reference_run(o, how, &out, &err) &&
+              write_file(o->out, &out, &err);
+    buf_finish(&out);
+    return ok ? 0 : options_fail(&err);
+}
+
+static int usage(const char *what, const char *value, const char *text)
+{
+    fprintf(stderr, "glintd: render: %s%s: %s\n", what, value, text);
+    return 2;
+}
+
+// Of either kind, once the command line is read.
+static int run(const struct options *o, struct wanted *want,
+               const struct verb_reference *how)
+{
+    const char *method = how->method, *to = o->out ? o->out : "is missing";
+    want->format = o->out ? format_of(o->out) : -1;
+    if (want->format < 0)
+        return usage("--out ", to,
+                     "a name that ends in .exr, .png or .jpg is needed");
+    if (want->layers && want->format != STILL_EXR)
+        return usage("--layers: --out ", to, "only .exr has them");
+    if (!method)
+        return render(o, want);
+    if (strcmp(method, "reference-single") != 0 &&
+        strcmp(method, "reference-path") != 0)
+        return usage("--method ", method,
+                     "is not one of reference-single, reference-path");
+    if (want->format != STILL_EXR)
+        return usage("--out ", to, "a reference is written as .exr");
+    if (want->layers)
+        return usage("--layers with --method ", method,
+                     "a reference has none but its variance");
+    return render_reference(o, how);
+}
+
 int verb_render_run(int argc, char **argv)
 {
     struct wanted want = {0};
+    struct verb_reference how = {.samples = 64};
     const struct options_row rows[] = {
         {"layers", OPTIONS_FLAG, &want.layers, 0, 0, NULL,
          "write the picture's parts as well: single_R, single_TT, single_TRT, "
          "global, local (.exr)"},
+        {"method", OPTIONS_TEXT, &how.method, 0, 0, "NAME",
+         "reference-single or reference-path: by rays against the strands, in "
+         "double precision (.exr)"},
+        {"spp", OPTIONS_INT, &how.samples, 1, 65536, "N",
+         "paths a pixel of a reference; 64 unless given"},
+        {"seed", OPTIONS_INT, &how.seed, 0, 2147483647, "N",
+         "of a reference's random numbers"},
+        {"progress", OPTIONS_FLAG, &how.progress, 0, 0, NULL,
+         "tell a reference's progress on stderr, be it a terminal or not"},
         {"verbose", OPTIONS_FLAG, &want.verbose, 0, 0, NULL,
          "print the stages' milliseconds and what was left out"},
         {0}};
@@ -170,23 +223,9 @@ int verb_render_run(int argc, char **argv)
     };
     struct options o;
     int status = options_parse(&o, &verb, argc, argv);
-    if (status < 0) {
-        want.format = o.out ? format_of(o.out) : -1;
-        if (want.format < 0) {
-            fprintf(stderr,
-                    "glintd: render: --out %s: a name that ends in .exr, .png "
-                    "or .jpg is needed\n",
-                    o.out ? o.out : "is missing");
-            status = 2;
-        } else if (want.layers && want.format != STILL_EXR) {
-            fprintf(stderr,
-                    "glintd: render: --layers: --out %s: only .exr has them\n",
-                    o.out);
-            status = 2;
-        } else {
-            status = render(&o, &want);
-        }
-    }
+    how.verbose = want.verbose;
+    if (status < 0)
+        status = run(&o, &want, &how);
     options_finish(&o);
     return status;
 }
