@@ -20,7 +20,7 @@ struct job {
     const struct places_item *place;
     unsigned flags;
     uint64_t seed;
-    int cut; // directions a texel: cut x cut
+    int cut; // directions a texel: cut x cut, at least
     struct reference_single *out;
 };
 
@@ -60,7 +60,7 @@ static double offered(const double e[3])
 
 struct ray { // one direction into one texel
     double d[3];
-    double s[FIBRE_MODES][3];
+    double s[FIBRE_MODES][3], light[3];
     double adds; // S times light, summed
 };
 
@@ -81,52 +81,58 @@ static void texel_light(const struct reference_sky *sky, int texel, int rays,
         light[c] = sky->radiance[texel][c] * q;
 }
 
-// A jittered direction in each of the texel's pieces.
-static void look(const struct job *j, const struct sum *sum, int texel,
-                 struct reference_random *random, struct ray *ray)
+// Bright texels are cut finer: what one of them sends should not hang on one
+// ray.
+static int cut_of(const struct job *j, int texel)
 {
-    const int cut = j->cut;
-    double light[3];
-    texel_light(&j->s->sky, texel, cut * cut, light);
-    for (int k = 0; k < cut * cut; k++, ray++) {
-        const double u = (k % cut + reference_random_next(random)) / cut;
-        // columns of ints on purpose: k / cut is the piece's row
-        const double v =
-            ((double)(k / cut) + reference_random_next(random)) / cut;
-        reference_sky_direction(&j->s->sky, texel, u, v, ray->d);
-        const struct fibre_direction i = reference_vertex_in(&sum->v, ray->d);
-        fibre_scatter(j->s->fibre, &sum->v.eye, &i, ray->s);
-        ray->adds = all_of(ray->s, light);
+    const double share = j->s->sky.chance[texel];
+    const int cut = share > 1.0 / 300 ? 4 : share > 1.0 / 1000 ? 2 : 1;
+    return cut > j->cut ? cut : j->cut;
+}
+
+// A jittered direction in each of the texel's pieces; returns how many.
+static int look(const struct job *j, const struct sum *sum, int texel,
+                struct reference_random *random, struct ray *ray)
+{
+    const int cut = cut_of(j, texel);
+    texel_light(&j->s->sky, texel, cut * cut, ray->light);
+    for (int k = 0; k < cut * cut; k++) {
+        const double row = k / cut, u = reference_random_next(random);
+        const double v = reference_random_next(random);
+        struct ray *r = &ray[k];
+        memcpy(r->light, ray->light, sizeof r->light);
+        reference_sky_direction(&j->s->sky, texel, (k % cut + u) / cut,
+                                (row + v) / cut, r->d);
+        const struct fibre_direction i = reference_vertex_in(&sum->v, r->d);
+        fibre_scatter(j->s->fibre, &sum->v.eye, &i, r->s);
+        r->adds = all_of(r->s, r->light);
     }
+    return cut * cut;
 }
 
 static void by_texels(const struct job *j, struct sum *sum, uint64_t number)
 {
-    const struct reference_sky *sky = &j->s->sky;
-    const int rays = j->cut * j->cut;
-    struct ray *ray =
-        bytes_alloc((size_t)rays * REFERENCE_TEXELS * sizeof *ray);
+    size_t rays = 0;
+    for (int i = 0; i < REFERENCE_TEXELS; i++)
+        rays += (size_t)cut_of(j, i) * (size_t)cut_of(j, i);
+    struct ray *ray = bytes_alloc(rays * sizeof *ray), *at = ray;
     struct reference_random random;
     double all = 0;
     reference_random_begin(&random, j->seed, number, 1);
     for (int i = 0; i < REFERENCE_TEXELS; i++) {
-        look(j, sum, i, &random, ray + (size_t)i * (size_t)rays);
-        for (int k = 0; k < rays; k++)
-            all += ray[i * rays + k].adds;
+        const int n = look(j, sum, i, &random, at);
+        for (int k = 0; k < n; k++)
+            all += (at++)->adds;
     }
-    const double least = NEGLIGIBLE * all / (REFERENCE_TEXELS * rays);
-    for (int i = 0; i < REFERENCE_TEXELS; i++) {
-        double light[3];
-        texel_light(sky, i, rays, light);
-        for (int k = 0; k < rays; k++) {
-            struct ray *r = &ray[i * rays + k];
-            if (!(r->adds > least))
-                continue;
-            const double through = clear_way(j, &sum->v, r->d);
-            sum->light += offered(light);
-            sum->seen += through * offered(light);
-            add(sum, r->s, light, through);
-        }
+    const double least = NEGLIGIBLE * all / (double)rays;
+    for (size_t i = 0; i < rays; i++) {
+        struct ray *r = &ray[i];
+        if (!(r->adds > least))
+            continue;
+        const double through = clear_way(j, &sum->v, r->d);
+        sum->light += offered(r->light);
+        sum->seen += through * offered(r->light);
+        add(sum, r->s, r->light, through);
     }
     free(ray);
 }

@@ -115,6 +115,7 @@ static void fill(const struct renderer *r, const uint32_t *axis,
                  struct places_item *out)
 {
     double n = 0;
+    memset(out, 0, sizeof *out); // padding too: places are compared as bytes
     memcpy(&out->segment, &g->tangent[3], sizeof out->segment);
     out->along = (double)g->position[3];
     for (int k = 0; k < 3; k++) {
