@@ -72,6 +72,14 @@ static struct span word_of(const struct params *p, const char *name)
     return edit_choice(row, (int)params_get(p, row, 0));
 }
 
+bool bench_knobs_forward(const struct params *p)
+{
+    static const char forward[] = "forward";
+    const struct span path = word_of(p, "render.path");
+    return path.size == sizeof forward - 1 &&
+           memcmp(path.data, forward, path.size) == 0;
+}
+
 static void name_method(struct bench_setting *s)
 {
     const struct span scheme = word_of(&s->params, "render.scheme");

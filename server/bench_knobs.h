@@ -39,6 +39,8 @@ struct bench_choice {
 int bench_knobs_list(const struct params *base, struct bench_choice *choice,
                      struct bench_setting *out);
 
+bool bench_knobs_forward(const struct params *p); // render.path is forward
+
 // Groups in the order of the table, NULL-terminated; number of one.
 extern const char *const bench_knobs_groups[];
 int bench_knobs_group(const char *name);

@@ -24,6 +24,10 @@ static const char *const once_by_rays[] = {
 static const char *const once_open[] = {
     "quality.samples=1", "render.components=single", "shadow.method=off", NULL};
 
+// Forward drawing shades fragments, so it has no radiance of a place; the same
+// functions do, where they shade cells.
+static const char *const directly[] = {"render.path=direct", NULL};
+
 // Radiance of the first `count` places with some of *p set otherwise; the
 // caller frees.  NULL on failure.
 static double *radiance(const struct bench_view *v, const struct params *p,
@@ -32,6 +36,8 @@ static double *radiance(const struct bench_view *v, const struct params *p,
 {
     struct params other = *p;
     words(&other, change);
+    if (bench_knobs_forward(p))
+        words(&other, directly);
     double *out = bytes_alloc(3 * (count + 1) * sizeof *out);
     if (bench_time_finish(v->r, &other, NULL, err) &&
         bench_truth_radiance(v->truth, v->r, count, out, err))
@@ -68,11 +74,11 @@ static bool picture(const struct bench_view *v, const struct params *p,
            renderer_read_linear(v->r, out, err);
 }
 
-// Over pixels that the reference covers.
+// Over pixels that the reference covers; variance: of r, or NULL.
 static void compare_pixels(const float *x, const float *r,
-                           struct metric_errors *out)
+                           const double *variance, struct metric_errors *out)
 {
-    double *pairs = bytes_alloc(6 * PIXELS * sizeof *pairs);
+    double *pairs = bytes_zalloc(9 * PIXELS, sizeof *pairs);
     size_t n = 0;
     for (size_t i = 0; i < PIXELS; i++) {
         if (!(r[4 * i + 3] > 0))
@@ -80,11 +86,14 @@ static void compare_pixels(const float *x, const float *r,
         for (size_t c = 0; c < 3; c++) {
             pairs[3 * n + c] = (double)x[4 * i + c];
             pairs[3 * (PIXELS + n) + c] = (double)r[4 * i + c];
+            if (variance)
+                pairs[3 * (2 * PIXELS + n) + c] = variance[3 * i + c];
         }
         n++;
     }
-    metric_errors(&(struct metric_pairs){n, pairs, pairs + 3 * PIXELS, NULL},
-                  out);
+    const struct metric_pairs p = {n, pairs, pairs + 3 * PIXELS,
+                                   pairs + 6 * PIXELS};
+    metric_errors(&p, out);
     free(pairs);
 }
 
@@ -100,7 +109,8 @@ static bool compare_picture(const struct bench_view *v,
     if (ok) {
         const float *x = (const float *)(const void *)linear.data;
         uint8_t *a = bytes_alloc(6 * PIXELS), *b = a + 3 * PIXELS;
-        compare_pixels(x, v->truth->picture, &out->picture);
+        compare_pixels(x, v->truth->picture, v->truth->picture_variance,
+                       &out->picture);
         metric_display(x, PIXELS, p->view.colour, (double)p->view.exposure, a);
         metric_display(v->truth->picture, PIXELS, p->view.colour,
                        (double)p->view.exposure, b);
@@ -168,7 +178,7 @@ static bool sampling(const struct bench_view *v, struct metric_errors *out,
                     picture(v, v->base, 1, &one, err);
     if (ok)
         compare_pixels((const float *)(const void *)one.data,
-                       (const float *)(const void *)many.data, out);
+                       (const float *)(const void *)many.data, NULL, out);
     buf_finish(&one);
     buf_finish(&many);
     return ok;

@@ -27,7 +27,9 @@ struct bench_view { // one scene, seen by the base's camera
 struct bench_row {
     const struct bench_setting *setting;
     struct bench_times time[BENCH_EDITS]; // the first always
-    // Against the sky's texels, rays and path-traced multiple scattering.
+    // Against the sky's texels, rays and path-traced multiple scattering.  All
+    // but `picture` are at places; where render.path is forward, of the same
+    // shader functions on path direct.
     struct metric_errors whole;
     // Once-scattered light alone, against texels and rays: multiple scattering
     // is excluded.

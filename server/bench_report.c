@@ -98,8 +98,8 @@ static void row_line(const struct bench_row *r, bool front, struct buf *out)
     const struct bench_times *t = &r->time[BENCH_EDIT_FIBRE];
     buf_printf(out, "| %s%s%s", front ? "**" : "", r->setting->text,
                front ? "**" : "");
-    buf_printf(out, " | %.4g (%.4g..%.4g) | %.4g", t->median.value,
-               t->median.low, t->median.high, t->p95);
+    buf_printf(out, " | %.4g (%.4g..%.4g) | %.4g | %d", t->median.value,
+               t->median.low, t->median.high, t->p95, t->runs);
     percent(out, &r->whole.rel_rmse);
     number(out, "%.3g", r->whole.rel_mse.value);
     number(out, "%+.3g", 100 * r->whole.mean_signed.value);
@@ -158,10 +158,11 @@ void bench_report_scene(const struct bench_result *b, const char *const *plot,
                b->picture_paths, 100 * t->picture_noise);
     for (int i = 0; plot && i < 2; i++)
         buf_printf(out, "![%s: %s](%s)\n\n", b->name, plot_titles[i], plot[i]);
-    buf_text(out,
-             "| setting | ms (95 %) | p95 | error % (95 %) | relMSE | mean % "
-             "| p99 % | once % | integral % | PSNR | SSIM |\n"
-             "|---|---|---|---|---|---|---|---|---|---|---|\n");
+    buf_text(
+        out,
+        "| setting | ms (95 %) | p95 | n | error % (95 %) | relMSE | mean % "
+        "| p99 % | once % | integral % | PSNR | SSIM |\n"
+        "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     for (int i = 0; i < b->rows; i++)
         row_line(&b->row[i], front[i], out);
     if (b->causes)
@@ -219,9 +220,11 @@ void bench_report_head(const struct bench_head *h, const struct params *base,
         out,
         "and the defaults of docs/PARAMETERS.md.\n\n"
         "- **ms**: an edit of `fibre.sigma_a` until the picture stands in "
-        "memory as displayed, median of %d after 2 to warm up, with the 95 %% "
-        "interval that order statistics give; no encoding, no network. With "
-        "`shadow.rays` until the picture by rays.\n"
+        "memory as displayed, median of **n** (%d, fewer where that takes too "
+        "long; with few edits p95 is the slowest and the interval their span) "
+        "after warming up, with the 95 %% interval that order statistics give; "
+        "no encoding, no network. With `shadow.rays` until the picture by "
+        "rays.\n"
         "- **error**: RMSE / mean of the reference, linear radiance, at random "
         "visible places. The reference sums over the sky's 128 x 64 texels "
         "(not the lights), shoots rays for visibility and traces paths for "
@@ -234,7 +237,8 @@ void bench_report_head(const struct bench_head *h, const struct params *base,
         "same lights without shadows, against exact integrals; the light fit, "
         "visibility and multiple scattering are excluded.\n"
         "- **PSNR, SSIM**: the whole picture at 160 x 107 as displayed, "
-        "against a path-traced one.\n"
+        "against a path-traced one; also of `render.path=forward`, whose other "
+        "errors are those of the same functions on path direct.\n"
         "- Bold: on the Pareto front of ms and error.\n\n",
         h->runs);
 }

@@ -218,11 +218,13 @@ static void take_picture(struct bench_truth *t, const double *v)
 {
     double mean = 0, variance = 0;
     t->picture = bytes_alloc(4 * PIXELS * sizeof *t->picture);
+    t->picture_variance = bytes_alloc(3 * PIXELS * sizeof *t->picture_variance);
     for (size_t i = 0; i < 4 * PIXELS; i++) {
         t->picture[i] = (float)v[i];
         if (i % 4 != 3) {
             mean += v[i];
             variance += v[4 * PIXELS + i];
+            t->picture_variance[3 * (i / 4) + i % 4] = v[4 * PIXELS + i];
         }
     }
     size_t covered = 0;
@@ -274,6 +276,7 @@ void bench_truth_finish(struct bench_truth *t)
     free(t->lights);
     free(t->open);
     free(t->picture);
+    free(t->picture_variance);
     *t = (struct bench_truth){0};
 }
 

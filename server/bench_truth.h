@@ -38,6 +38,7 @@ struct bench_truth { // zero-initialised is empty
     // times a transmittance by rays each; without shadows
     double *lights, *open;
     float *picture; // RGBA, linear, premultiplied, BENCH_TRUTH_WIDTH x HEIGHT
+    double *picture_variance; // [3 * pixels], of its means
     double picture_noise; // sqrt(mean variance of covered pixels) / their mean
     double seconds;       // spent on making what was not kept
     int made, kept;       // parts

@@ -163,7 +163,7 @@ static void tell(void *self, const struct buf *line)
 static int bench(struct bench *b)
 {
     struct error err = {0};
-    char *cache = b->no_cache ? NULL : cache_directory(), device[160] = "";
+    char *cache = b->no_cache ? NULL : cache_directory();
     const double began = timer_now();
     bool ok = true;
     for (int i = 0; ok && i < b->count; i++) {
@@ -186,11 +186,11 @@ static int bench(struct bench *b)
             .causes = true,
             .tell = tell,
         };
-        ok = bench_scene_run(&s, &ask, &err) && write_scene(b, &s.result, &err);
-        snprintf(device, sizeof device, "%s", s.device);
+        ok = bench_scene_run(&s, &ask, &err) &&
+             write_scene(b, &s.result, &err) &&
+             write_report(b, s.device, timer_now() - began, &err);
         bench_scene_finish(&s);
     }
-    ok = ok && write_report(b, device, timer_now() - began, &err);
     buf_finish(&b->overview);
     buf_finish(&b->sections);
     free(cache);
