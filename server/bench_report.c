@@ -170,21 +170,32 @@ void bench_report_scene(const struct bench_result *b, const char *const *plot,
     edits(b, out);
 }
 
+// Milliseconds of the paper's own way of drawing in this scene, or NaN.
+static double forward_ms(const struct bench_result *b)
+{
+    for (int i = 0; i < b->rows; i++)
+        if (strcmp(b->row[i].setting->method, "paper-forward") == 0)
+            return b->row[i].time[BENCH_EDIT_FIBRE].median.value;
+    return NAN;
+}
+
 void bench_report_overview(const struct bench_result *b, bool first,
                            struct buf *out)
 {
     if (first)
-        buf_text(out, "| scene | setting | ms | p95 | error % (95 %) | mean % "
+        buf_text(out, "| scene | setting | ms | p95 | times as fast as "
+                      "paper-forward | error % (95 %) | mean % "
                       "| once % | PSNR | SSIM |\n"
-                      "|---|---|---|---|---|---|---|---|---|\n");
+                      "|---|---|---|---|---|---|---|---|---|---|\n");
     for (int i = 0; i < b->rows; i++) {
         const struct bench_row *r = &b->row[i];
         const char *group = r->setting->group;
         if (strcmp(group, "default") != 0 && strcmp(group, "path") != 0 &&
-            strcmp(group, "scheme") != 0)
+            strcmp(group, "scheme") != 0 && strcmp(group, "rays") != 0)
             continue;
         buf_printf(out, "| %s | %s | %.4g | %.4g", b->name, r->setting->text,
                    r->time[0].median.value, r->time[0].p95);
+        number(out, "%.1f", forward_ms(b) / r->time[0].median.value);
         percent(out, &r->whole.rel_rmse);
         number(out, "%+.3g", 100 * r->whole.mean_signed.value);
         number(out, "%.3g", 100 * r->single.rel_rmse.value);

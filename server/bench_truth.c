@@ -14,15 +14,14 @@
 #include "server/bench_keep.h"
 #include "server/bench_time.h"
 
-// Rises whenever the same inputs would give other values.
-static const char version[] = "1";
 enum { SEED = 1 };
 
 struct making {
     struct bench_truth *t;
     struct renderer *r;
     const struct bench_truth_ask *ask;
-    struct reference *scene; // made when the first part is not kept
+    struct reference *scene;
+    struct digest mark; // of what the reference computes
 };
 
 static void add(struct digest *d, const void *data, size_t size)
@@ -53,13 +52,39 @@ static void add_groups(struct digest *d, const struct params *p,
     buf_finish(&text);
 }
 
+static bool scene_of(struct making *m, struct error *err)
+{
+    if (!m->scene)
+        m->scene = renderer_reference(m->r, FIBRE_EXACT, err);
+    return m->scene != NULL;
+}
+
+// A few values of every kind, made anew each time: whoever changes what the
+// reference computes need not think of what was kept from before.
+static bool mark(struct making *m, struct error *err)
+{
+    const struct places_item *place = m->t->place;
+    const size_t n = m->t->count < 3 ? m->t->count : 3;
+    const struct reference_paths how = {.samples = 8, .seed = SEED};
+    struct reference_single one = {0}, light = {0};
+    struct reference_estimate paths[3] = {{0}};
+    if (!scene_of(m, err) || !reference_path(m->scene, place, n, &how, paths))
+        return false;
+    reference_single(m->scene, place, 1, 0, SEED, &one);
+    reference_single(m->scene, place, 1, REFERENCE_SRBF, SEED, &light);
+    digest_begin(&m->mark);
+    for (size_t i = 0; i < n; i++)
+        add(&m->mark, paths[i].whole, sizeof paths[i].whole);
+    add(&m->mark, one.sum, sizeof one.sum);
+    add(&m->mark, light.sum, sizeof light.sum);
+    return true;
+}
+
 // What every part depends on.
 static struct bench_keep keep_of(const struct making *m, const char *part)
 {
     const struct bench_truth_ask *a = m->ask;
-    struct bench_keep k = {.directory = a->cache};
-    digest_begin(&k.key);
-    add_text(&k.key, version);
+    struct bench_keep k = {.directory = a->cache, .key = m->mark};
     add_text(&k.key, part);
     add_text(&k.key, a->hair_sha);
     add_text(&k.key, a->sky_sha);
@@ -78,13 +103,6 @@ static void add_places(struct digest *d, const struct bench_truth *t,
         add(d, p->across, sizeof p->across);
         add(d, p->to_eye, sizeof p->to_eye);
     }
-}
-
-static bool scene_of(struct making *m, struct error *err)
-{
-    if (!m->scene)
-        m->scene = renderer_reference(m->r, FIBRE_EXACT, err);
-    return m->scene != NULL;
 }
 
 // --- parts -------------------------------------------------------------------
@@ -260,8 +278,8 @@ bool bench_truth_make(struct bench_truth *t, struct renderer *r,
 {
     struct making m = {.t = t, .r = r, .ask = ask};
     *t = (struct bench_truth){0};
-    const bool ok =
-        places(&m, err) && at_places(&m, err) && whole_picture(&m, err);
+    const bool ok = places(&m, err) && mark(&m, err) && at_places(&m, err) &&
+                    whole_picture(&m, err);
     reference_destroy(m.scene);
     return ok;
 }

@@ -2,7 +2,7 @@
 //
 // What is kept has a name that is the digest of everything that enters it:
 // groom and sky by content, the parameters that light or hair depend on, the
-// places, counts and seeds, and a version of how it is made.
+// places, counts and seeds, and a few values that the reference gives now.
 // Thread: the renderer's.
 #ifndef SERVER_BENCH_TRUTH_H
 #define SERVER_BENCH_TRUTH_H
