@@ -121,7 +121,7 @@ def test_limits_are_legal():
                    {"w_c": 0.008726}, {"alpha_R": -0.5236}, {"sigma_a": 1000},
                    {"lambda_j": 0.001}, {"phi_o": 6.2832}, {"eta": 1.05},
                    {"a": 0.71}, {"a": 1.41}, {"eta": "3."}, {"w_c": ".2"}):
-        for scheme in ("paper", "exact"):
+        for scheme in ("paper", "best", "exact"):
             row = values(line(**change), "--scheme", scheme)[0]
             assert all(math.isfinite(x) and x >= 0 for x in row), change
 
