@@ -168,6 +168,13 @@ extremes: deps
 	@$(B)/tests/extremes/bench_extremes $(B)/EXTREMES.md && \
 	    mv $(B)/EXTREMES.md docs/EXTREMES.md
 
+# Four colours of hair, lit from the front and from behind, for eyes to judge;
+# a few minutes.  make sheet ARGS="--groom natural --samples 64"
+.PHONY: sheet
+sheet: deps
+	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_sheet
+	@$(B)/tests/bench/bench_sheet $(ARGS) docs/pictures/sheet.jpg
+
 # Pages of the docs that the programs write themselves.
 .PHONY: docs
 docs: all

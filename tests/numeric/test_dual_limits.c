@@ -245,15 +245,27 @@ static void test_extremes(const struct dual_bench *b)
                 check_sane(in, out, LIGHTS);
         }
     }
-    // Without TT and TRT the rest is the same.
+}
+
+// Without TT and TRT the rest is the same.
+static void test_opaque(const struct dual_bench *b)
+{
+    enum { VIEWS = 200 };
+    static float in[VIEWS * DUAL_IN], out[VIEWS * DUAL_OUT];
+    static float other[VIEWS * DUAL_OUT];
+    uint64_t state = 5;
     check_case("dual_opaque_variant");
     struct exact_case c = cases_from_doubles(dual_multiples[0]);
-    static float other[LIGHTS * DUAL_OUT];
+    for (int i = 0; i < VIEWS; i++) {
+        struct exact_case view = cases_random(&state, CASES_BROAD, 0);
+        dual_bench_put(in + DUAL_IN * i, &view,
+                       dual_bench_widened(&view, &state));
+    }
     dual_bench_fibre(b->best, &c);
     dual_bench_fibre(b->opaque, &c);
-    if (dual_bench_ask(b->best, in, LIGHTS, out) &&
-        dual_bench_ask(b->opaque, in, LIGHTS, other))
-        for (int i = 0; i < LIGHTS * DUAL_OUT; i++) {
+    if (dual_bench_ask(b->best, in, VIEWS, out) &&
+        dual_bench_ask(b->opaque, in, VIEWS, other))
+        for (int i = 0; i < VIEWS * DUAL_OUT; i++) {
             int v = i % DUAL_OUT;
             bool gone = v >= 3 && v < DUAL_ML;
             CHECK(gone ? other[i] == 0
@@ -269,6 +281,7 @@ int main(void)
         test_narrow(&b);
         test_continuity(&b);
         test_extremes(&b);
+        test_opaque(&b);
     }
     dual_bench_close(&b);
     return check_end();
