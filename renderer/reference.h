@@ -40,6 +40,9 @@ struct reference_scene { // borrowed for the call
 // NULL when the groom is more than shoot.h takes.
 struct reference *reference_create(const struct reference_scene *scene,
                                    struct error *err);
+// A renderer's present groom, sky, fit and parameters, by pointer; the model
+// is the exact one.  Thread: render.
+void renderer_scene(const struct renderer *r, struct reference_scene *out);
 // Of a renderer's present groom, sky, fit and parameters.  Thread: render.
 struct reference *renderer_reference(const struct renderer *r,
                                      enum fibre_model model, struct error *err);

@@ -175,6 +175,7 @@ void renderer_set_params(struct renderer *r, const struct params *p)
     if (p->quality.samples < r->samples)
         restart(r, false);
     before.quality.samples = p->quality.samples;
+    before.quality.error_places = p->quality.error_places; // no pixel's affair
     uint32_t changed = params_changed(&before, p);
     r->params = *p;
     for (int i = 0; i < RENDERER_STAGES; i++)

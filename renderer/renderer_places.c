@@ -179,6 +179,12 @@ bool renderer_places(struct renderer *r, size_t want, uint64_t seed,
     return ok;
 }
 
+void renderer_scene(const struct renderer *r, struct reference_scene *out)
+{
+    *out = (struct reference_scene){r->groom, r->map, &r->fit, &r->params,
+                                    FIBRE_EXACT};
+}
+
 struct reference *renderer_reference(const struct renderer *r,
                                      enum fibre_model model, struct error *err)
 {
@@ -187,7 +193,8 @@ struct reference *renderer_reference(const struct renderer *r,
                   r->groom ? "sky" : "groom");
         return NULL;
     }
-    const struct reference_scene scene = {r->groom, r->map, &r->fit, &r->params,
-                                          model};
+    struct reference_scene scene;
+    renderer_scene(r, &scene);
+    scene.model = model;
     return reference_create(&scene, err);
 }

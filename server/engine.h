@@ -15,6 +15,7 @@
 #include "protocol/params.h"
 #include "renderer/renderer.h"
 #include "server/assets.h"
+#include "server/judge.h"
 #include "server/loader.h"
 #include "server/studio.h"
 
@@ -64,7 +65,8 @@ enum engine_event_type {
     ENGINE_FRAME,
     ENGINE_CAPTURED, // id, then frame or error
     ENGINE_LOADED,   // id, then asset or error
-    ENGINE_FAILED    // rendering for viewers: frame.revision, error
+    ENGINE_FAILED,   // rendering for viewers: frame.revision, error
+    ENGINE_JUDGED    // how wrong the picture at rest is: verdict
 };
 
 struct engine_asset_info {
@@ -81,6 +83,7 @@ struct engine_event {
     struct error error;
     struct studio_frame frame;
     struct engine_asset_info asset;
+    struct judge_verdict verdict;
 };
 // The oldest waiting event, or false.  The caller then owns frame.bytes.  After
 // an ENGINE_LOADED that is ok it calls engine_edit: what was loaded is of that
@@ -93,6 +96,7 @@ struct engine_stats {
     struct engine_asset_info hair, env;
     uint64_t steps, frames, captures, coalesced, failures;
     int captures_waiting;
+    struct judge_verdict verdict; // the newest; revision 0: none
     char progress[96]; // "" or what takes long just now
     double progress_seconds;
 };

@@ -17,6 +17,27 @@ void frame_put_stages(struct json *j, const double ms[RENDERER_STAGES])
     json_close_object(j);
 }
 
+void frame_put_error(struct json *j, const struct judge_verdict *v)
+{
+    json_key(j, "error");
+    if (v->revision == 0) {
+        json_null(j);
+        return;
+    }
+    json_open_object(j);
+    json_put_string(j, "reference", "path");
+    json_put_string(j, "metric", "rel_rmse");
+    json_put_number(j, "value", v->value);
+    json_put_number(j, "ci95", fmax(v->high - v->value, v->value - v->low));
+    json_put_number(j, "mean_signed", v->bias);
+    json_put_number(j, "noise", v->noise);
+    json_put_int(j, "places", v->places);
+    json_put_int(j, "paths", v->paths);
+    json_put_number(j, "seconds", v->seconds);
+    json_put_int(j, "revision", (int64_t)v->revision);
+    json_close_object(j);
+}
+
 static void put_format(struct json *j, const struct still_encoding *e)
 {
     json_put_string(j, "format", still_format_name(e->format));
@@ -57,5 +78,7 @@ void frame_put(struct json *j, const struct studio_frame *f,
     json_put_int(j, "queued_us", about->queued_us);
     json_key(j, "stages");
     frame_put_stages(j, f->stage_ms);
+    if (f->verdict.revision > 0)
+        frame_put_error(j, &f->verdict);
     json_close_object(j);
 }

@@ -17,6 +17,8 @@ struct frame_about { // what differs from client to client
 // Adds the key "frame" with its object.
 void frame_put(struct json *j, const struct studio_frame *f,
                const struct frame_about *about);
+// How wrong a picture is: an object, or null where that is not known.
+void frame_put_error(struct json *j, const struct judge_verdict *v);
 // Milliseconds with three decimals.
 void frame_put_ms(struct json *j, const char *key, double ms);
 // {"stage":ms,...} of those that ran.

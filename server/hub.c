@@ -137,7 +137,22 @@ static void hold(struct hub *h, const struct studio_frame *f)
         return;
     }
     held->frame = *f;
+    if (f->final && h->verdict.revision == f->revision)
+        held->frame.verdict = h->verdict;
     held->serial = ++h->next_serial;
+}
+
+// The same bytes go out again, with what is known of them now.
+static void judge(struct hub *h, const struct judge_verdict *v)
+{
+    h->verdict = *v;
+    for (int i = 0; i < h->held_count; i++) {
+        struct hub_held *held = &h->held[i];
+        if (!held->frame.final || held->frame.revision != v->revision)
+            continue;
+        held->frame.verdict = *v;
+        held->serial = ++h->next_serial;
+    }
 }
 
 static struct session *waiting_for(struct hub *h, uint64_t job)
@@ -167,6 +182,9 @@ static void handle(struct hub *h, struct engine_event *event)
             if (s->streaming)
                 session_event(s, event);
         return;
+    case ENGINE_JUDGED:
+        judge(h, &event->verdict);
+        return;
     case ENGINE_CAPTURED:
         break;
     }
@@ -181,7 +199,8 @@ void hub_events(struct hub *h)
     struct engine_event event;
     bool fresh = false;
     while (engine_take(h->engine, &event)) {
-        fresh = fresh || event.type == ENGINE_FRAME;
+        fresh = fresh || event.type == ENGINE_FRAME ||
+                event.type == ENGINE_JUDGED;
         handle(h, &event);
     }
     if (fresh)

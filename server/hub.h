@@ -30,6 +30,7 @@ struct hub {
     const char *token; // clients must give it; NULL: none
     struct params params;
     uint64_t revision;
+    struct judge_verdict verdict; // of the newest picture that has one
     int64_t received_us; // when its newest edit came in; 0: never
     struct engine_asset_info hair, env;
     struct session *sessions;

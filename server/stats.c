@@ -137,4 +137,5 @@ void stats_put(struct json *j, struct hub *h)
     }
     put_memory(j, &e.renderer, h);
     put_picture(j, &e);
+    frame_put_error(j, &e.verdict);
 }

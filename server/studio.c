@@ -3,6 +3,7 @@
 // 64 ... samples, and when it is final.
 #include "server/studio.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "renderer/encode.h"
@@ -239,6 +240,29 @@ void studio_served(struct studio_demand *d, const struct studio_frame *f)
     d->samples = f->samples;
     d->final = f->final;
     d->hasty = f->hasty;
+}
+
+// --- the judge --------------------------------------------------------------
+bool studio_rests(const struct studio *s)
+{
+    return s->live && s->done && s->set.quality.error_places > 0 &&
+           s->set.render.components == 0;
+}
+
+bool studio_case(struct studio *s, struct judge_case *c, struct error *err)
+{
+    const size_t want = (size_t)s->set.quality.error_places;
+    *c = (struct judge_case){.revision = s->live_revision};
+    renderer_scene(s->renderer, &c->scene);
+    c->scene.params = &s->set;
+    c->places = bytes_alloc(want * sizeof *c->places);
+    bool ok = renderer_places(s->renderer, want, s->live_revision, c->places,
+                              &c->count, err);
+    if (ok && c->count > 0)
+        return true;
+    free(c->places);
+    c->places = NULL;
+    return false;
 }
 
 // --- captures ---------------------------------------------------------------

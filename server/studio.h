@@ -13,6 +13,7 @@
 #include "protocol/params.h"
 #include "renderer/renderer.h"
 #include "server/assets.h"
+#include "server/judge.h"
 #include "server/still.h"
 
 enum {
@@ -53,6 +54,7 @@ struct studio_frame {
     const char *path;                 // that drew it: a word of render.path
     double stage_ms[RENDERER_STAGES]; // < 0: did not run for this frame
     int64_t received_us;
+    struct judge_verdict verdict; // revision 0: none yet
 };
 
 struct studio {
@@ -92,6 +94,12 @@ bool studio_publish(struct studio *s, const struct studio_wish *w, int64_t now,
                     struct studio_frame *out, int *count, struct error *err);
 // The frame serves this demand: it is remembered there.
 void studio_served(struct studio_demand *d, const struct studio_frame *f);
+
+// Does a final picture of the viewers' state stand still that is worth
+// comparing with the truth?  (quality.error_places; all the light shown.)
+bool studio_rests(const struct studio *s);
+// Its places, for the judge; c->places is NULL on failure.
+bool studio_case(struct studio *s, struct judge_case *c, struct error *err);
 
 // A capture: begin, step until *done, end; leave, whatever came of it.  `p` may
 // differ from the live state (another size); that then begins anew for the

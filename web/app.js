@@ -188,8 +188,8 @@ function shown({ body, ...head }) {
     $("trip").textContent = `trip ${ms(performance.now() - head.echo)} ms`;
   $("rev").textContent = "r" + head.revision;
   $("size").textContent = `${head.width} × ${head.height}, ${size(head.bytes)}`;
-  $("wrong").textContent = error ? `${error.metric} ${short(error.value, 2)} ± ${
-    short(error.ci95 ?? 0, 1)} against ${error.reference}` : "";
+  $("wrong").textContent = error ? `${ms(100 * error.value)} % ± ${
+    ms(100 * error.ci95)} % of reference` : "";
   layout();
   times();
   if (head.final || (before.revision !== head.revision && !values["camera.eye"]))

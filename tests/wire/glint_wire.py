@@ -276,6 +276,8 @@ class Daemon:
                    "--set", "quality.samples=%d" % samples,
                    # Few lights: the fit is not what these tests are about.
                    "--set", "shadow.method=off",  # pictures are not the point
+                   # No frame comes twice, with what is known of it.
+                   "--set", "quality.error_places=0",
                    "--set", "sky.lights=4"] + list(options)
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE,
                                         stderr=stderr)

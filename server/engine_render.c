@@ -1,0 +1,263 @@
+// engine_render.c - the render thread: what comes next, and its results to the
+// loop.
+#include "server/engine_private.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "server/clock.h"
+
+// Under the lock.
+static void progress(struct engine *e, const char *what)
+{
+    snprintf(e->stats.progress, sizeof e->stats.progress, "%s", what);
+    e->progress_since = clock_us();
+}
+
+// Under the lock, after work outside of it.
+static void note_stats(struct engine *e)
+{
+    if (e->studio.samples > 0)
+        renderer_stats(e->studio.renderer, &e->stats.renderer);
+    e->stats.steps = e->studio.steps;
+}
+
+static void note_frames(struct engine *e, const struct studio_frame *frames,
+                        int count)
+{
+    for (int i = 0; i < count; i++) {
+        struct engine_event event = {
+            .type = ENGINE_FRAME, .ok = true, .frame = frames[i]};
+        events_push(&e->events, &event);
+        e->stats.frames++;
+        for (int d = 0; d < e->wish.demand_count; d++)
+            if (still_encoding_same(&e->wish.demand[d].how, &frames[i].asked))
+                studio_served(&e->wish.demand[d], &frames[i]);
+    }
+}
+
+static void note_taken(struct engine *e, uint64_t revision)
+{
+    if (revision > e->taken_revision + 1)
+        e->stats.coalesced += revision - e->taken_revision - 1;
+    if (revision > e->taken_revision)
+        e->taken_revision = revision;
+}
+
+// Entered and left under the lock, as all of the following.
+static void do_live(struct engine *e)
+{
+    struct studio_wish wish = e->wish;
+    struct studio_frame frames[STUDIO_DEMANDS];
+    int count = 0;
+    struct error err = {0};
+    note_taken(e, wish.revision);
+    pthread_mutex_unlock(&e->lock);
+    bool ok =
+        studio_turn(&e->studio, &wish, &err) &&
+        studio_publish(&e->studio, &wish, clock_us(), frames, &count, &err);
+    pthread_mutex_lock(&e->lock);
+    progress(e, "");
+    note_stats(e);
+    note_frames(e, frames, count);
+    struct engine_event failed = {
+        .type = ENGINE_FAILED, .error = err, .frame.revision = wish.revision};
+    e->stats.failures += !ok;
+    if (!ok)
+        events_push(&e->events, &failed);
+}
+
+static bool capture_goes_on(struct engine *e)
+{
+    return !e->stop && !e->capture_cancelled;
+}
+
+// Steps to the end; viewers of the very state see them go by.
+static bool capture_steps(struct engine *e, struct studio_wish *wish,
+                          struct error *err)
+{
+    bool done = false, ok = true;
+    while (ok && !done && capture_goes_on(e)) {
+        struct studio_frame frames[STUDIO_DEMANDS];
+        int count = 0;
+        memcpy(wish->demand, e->wish.demand, sizeof wish->demand);
+        wish->demand_count = e->wish.demand_count;
+        pthread_mutex_unlock(&e->lock);
+        ok = studio_step(&e->studio, &done, err) &&
+             studio_publish(&e->studio, wish, clock_us(), frames, &count, err);
+        pthread_mutex_lock(&e->lock);
+        note_stats(e);
+        note_frames(e, frames, count);
+    }
+    return ok;
+}
+
+static void do_capture(struct engine *e)
+{
+    struct capture_item *item = e->captures;
+    struct engine_capture c = item->capture;
+    e->captures = item->next;
+    free(item);
+    struct studio_wish wish = e->wish;
+    struct params p = wish.params;
+    struct engine_event event = {.type = ENGINE_CAPTURED, .id = c.id};
+    if (c.width > 0) {
+        p.image.width = c.width;
+        p.image.height = c.height;
+    }
+    e->capturing = c.id;
+    e->capture_cancelled = false;
+    progress(e, "capture");
+    note_taken(e, wish.revision);
+    if (e->stats.verdict.revision != e->judged)
+        e->judged = 0; // halted before it was done: asked again afterwards
+    judge_halt(e->judge);
+    studio_capture_begin(&e->studio, &p, &wish);
+    event.ok =
+        (!c.how.layers || studio_capture_layers(&e->studio, &event.error)) &&
+        capture_steps(e, &wish, &event.error);
+    if (event.ok && capture_goes_on(e)) {
+        pthread_mutex_unlock(&e->lock);
+        event.ok = studio_capture_end(&e->studio, &c.how, wish.revision,
+                                      &event.frame, &event.error);
+        event.frame.received_us = wish.received_us;
+        pthread_mutex_lock(&e->lock);
+    }
+    studio_capture_leave(&e->studio);
+    if (capture_goes_on(e))
+        events_push(&e->events, &event);
+    else
+        blob_unref(event.frame.bytes);
+    e->capturing = 0;
+    e->stats.captures++;
+    e->stats.captures_waiting--;
+    progress(e, "");
+}
+
+static void do_install(struct engine *e)
+{
+    struct loader_item *item = e->loaded;
+    e->loaded = item->next;
+    pthread_cond_broadcast(&e->change);
+    struct engine_event event = {.type = ENGINE_LOADED,
+                                 .id = item->id,
+                                 .which = item->which,
+                                 .error = item->error};
+    bool hair = item->which == LOADER_HAIR;
+    struct engine_asset_info info = {.source = hair ? item->hair.source
+                                                    : item->sky.source,
+                                     .strands = item->hair.strands,
+                                     .points = item->hair.points,
+                                     .width = item->sky.width,
+                                     .height = item->sky.height};
+    if (item->ok && !item->cancelled) {
+        pthread_mutex_unlock(&e->lock);
+        judge_settle(e->judge);
+        event.ok = hair ? studio_set_hair(&e->studio, &item->hair, &event.error)
+                        : studio_set_sky(&e->studio, &item->sky, &event.error);
+        pthread_mutex_lock(&e->lock);
+    }
+    if (event.ok) {
+        *(hair ? &e->stats.hair : &e->stats.env) = info;
+        event.asset = info;
+        e->installed = INSTALLED;
+        e->judged = 0;
+    }
+    if (!item->cancelled || event.ok)
+        events_push(&e->events, &event);
+    loader_item_free(item);
+}
+
+// False when the time `until` (clock_us) has come.
+bool engine_render_wait(struct engine *e, pthread_cond_t *cond, int64_t until)
+{
+    if (until == INT64_MAX)
+        return pthread_cond_wait(cond, &e->lock) == 0;
+    struct timespec t = {.tv_sec = until / 1000000,
+                         .tv_nsec = until % 1000000 * 1000};
+    return pthread_cond_timedwait(cond, &e->lock, &t) != ETIMEDOUT;
+}
+
+// What the picture shows when it rests is put before the judge, once.
+static void do_judge(struct engine *e)
+{
+    const uint64_t revision = e->studio.live_revision;
+    const uint32_t shown_otherwise = 1u << GROUP_view | 1u << GROUP_output;
+    const struct params *p = &e->studio.set;
+    struct judge_verdict known = e->stats.verdict;
+    bool same = (params_changed(p, &e->judged_params) & ~shown_otherwise) == 0;
+    if (same && e->judged > 0 && known.revision == e->judged) {
+        known.revision = revision;
+        e->stats.verdict = known;
+        const struct engine_event event = {.type = ENGINE_JUDGED,
+                                           .verdict = known};
+        events_push(&e->events, &event);
+    } else {
+        struct judge_case c;
+        struct error err = {0}; // without places there is no verdict
+        pthread_mutex_unlock(&e->lock);
+        bool ok = studio_case(&e->studio, &c, &err);
+        pthread_mutex_lock(&e->lock);
+        if (ok && e->wish.revision == revision)
+            judge_hear(e->judge, &c);
+        else
+            free(c.places);
+    }
+    e->judged = revision;
+    e->judged_params = *p;
+}
+
+static void render_turns(struct engine *e)
+{
+    while (!e->stop) {
+        int64_t until;
+        bool wants = studio_wants(&e->studio, &e->wish, clock_us(), &until);
+        if (e->installed != SETTLED) {
+            engine_render_wait(e, &e->work, INT64_MAX);
+        } else if (e->loaded) {
+            do_install(e);
+        } else if (e->captures && !(e->viewers_next && wants)) {
+            do_capture(e);
+            e->viewers_next = true;
+        } else if (wants) {
+            do_live(e);
+            e->viewers_next = false;
+        } else if (studio_rests(&e->studio) &&
+                   e->judged != e->studio.live_revision) {
+            do_judge(e);
+        } else {
+            e->viewers_next = false;
+            engine_render_wait(e, &e->work, until);
+            continue;
+        }
+        if (e->events.first)
+            e->wake(e->ctx);
+    }
+}
+
+void *engine_render_main(void *arg)
+{
+    struct engine *e = arg;
+    struct error err = {0};
+    bool ok = studio_open(&e->studio, e->setup->cache_dir, &e->setup->hair,
+                          &e->setup->sky, &err);
+    pthread_mutex_lock(&e->lock);
+    if (ok)
+        snprintf(e->stats.device, sizeof e->stats.device, "%s",
+                 renderer_device(e->studio.renderer));
+    e->ready = ok;
+    e->ended = !ok;
+    e->start_error = err;
+    pthread_cond_broadcast(&e->change);
+    if (ok)
+        render_turns(e);
+    pthread_mutex_unlock(&e->lock);
+    studio_close(&e->studio);
+    pthread_mutex_lock(&e->lock);
+    e->ended = true;
+    pthread_cond_broadcast(&e->change);
+    pthread_mutex_unlock(&e->lock);
+    return NULL;
+}
