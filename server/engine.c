@@ -28,7 +28,7 @@ void engine_edit(struct engine *e, const struct params *p, uint64_t revision,
     e->wish.params = *p;
     e->wish.revision = revision;
     e->wish.received_us = received_us;
-    judge_halt(e->judge); // all cores to the edit
+    judge_halt(e->judge);      // all cores to the edit
     if (e->installed == TAKEN) // not: one that was made before it was known
         e->installed = SETTLED;
     pthread_cond_signal(&e->work);

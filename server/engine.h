@@ -97,7 +97,7 @@ struct engine_stats {
     uint64_t steps, frames, captures, coalesced, failures;
     int captures_waiting;
     struct judge_verdict verdict; // the newest; revision 0: none
-    char progress[96]; // "" or what takes long just now
+    char progress[96];            // "" or what takes long just now
     double progress_seconds;
 };
 void engine_stats(struct engine *e, struct engine_stats *out);

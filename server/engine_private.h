@@ -1,5 +1,5 @@
-// engine_private.h - the engine's inside, shared by its two files: engine.c (the
-// loop's side, start and end) and engine_render.c (the render thread).
+// engine_private.h - the engine's inside, shared by its two files: engine.c
+// (the loop's side, start and end) and engine_render.c (the render thread).
 #ifndef SERVER_ENGINE_PRIVATE_H
 #define SERVER_ENGINE_PRIVATE_H
 

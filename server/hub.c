@@ -199,8 +199,8 @@ void hub_events(struct hub *h)
     struct engine_event event;
     bool fresh = false;
     while (engine_take(h->engine, &event)) {
-        fresh = fresh || event.type == ENGINE_FRAME ||
-                event.type == ENGINE_JUDGED;
+        fresh =
+            fresh || event.type == ENGINE_FRAME || event.type == ENGINE_JUDGED;
         handle(h, &event);
     }
     if (fresh)

@@ -31,7 +31,7 @@ struct hub {
     struct params params;
     uint64_t revision;
     struct judge_verdict verdict; // of the newest picture that has one
-    int64_t received_us; // when its newest edit came in; 0: never
+    int64_t received_us;          // when its newest edit came in; 0: never
     struct engine_asset_info hair, env;
     struct session *sessions;
     int session_count, viewers, captures;
