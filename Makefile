@@ -134,7 +134,7 @@ tests-built: floors $(B)/glintd $(B)/glint $(CTEST_BINS)
 # Timings; not part of the tests.  make bench-stages ARGS="animation straight"
 BENCHES := $(patsubst tests/bench/%.c,$(B)/tests/bench/%,\
 	$(wildcard tests/bench/bench_*.c))
-.PHONY: bench bench-stages bench-forward bench-encode
+.PHONY: bench bench-stages bench-shadows bench-forward bench-encode
 # Error against run time: the committed report, from scratch (references that
 # were made before are found again).  ARGS=--quick: two minutes, into build/.
 GLINT_DATA ?= ../shared/data
@@ -153,6 +153,12 @@ bench: all
 bench-stages: deps
 	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_stages
 	@$(B)/tests/bench/bench_stages $(ARGS)
+# Writes docs/SHADOWS.md; a few minutes on two quiet cores.
+bench-shadows: deps
+	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_crossings
+	@$(B)/tests/bench/bench_crossings $(ARGS) > $(B)/shadows.jsonl
+	@python3 tests/bench/shadows_report.py < $(B)/shadows.jsonl \
+	    > docs/SHADOWS.md
 bench-forward: deps
 	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_forward
 	@$(B)/tests/bench/bench_forward $(ARGS)
