@@ -75,15 +75,10 @@ static void test_lattice(void)
     scene_close(&s);
 }
 
-// A sheet of fibres over half of an empty room.  Under its edge a lobe sees as
-// much of it as the box reaches: n = n_0 clamp(1/2 + x / (2 w), 0, 1), w =
-// sqrt(3/2) lambda times the height.
-static void test_kernel(void)
+enum { STRANDS = 4000 };
+
+static struct groom *sheet(void)
 {
-    enum { STRANDS = 4000, PLACES = 41, WIDTHS = 3 };
-    check_case("depth maps: the kernel grows with lobe and distance");
-    struct scene s = {0};
-    params_defaults(&s.params);
     struct groom *g = scene_tangle(STRANDS, 1e-4f);
     for (uint32_t i = 0; i < g->points; i++) {
         const uint32_t k = i / 12;
@@ -98,6 +93,19 @@ static void test_kernel(void)
         g->box_min[c] = 0;
         g->box_max[c] = 1;
     }
+    return g;
+}
+
+// A sheet of fibres over half of an empty room.  Under its edge a lobe sees as
+// much of it as the box reaches: n = n_0 clamp(1/2 + x / (2 w), 0, 1), w =
+// sqrt(3/2) lambda times the height.
+static void test_kernel(void)
+{
+    enum { PLACES = 41, WIDTHS = 3 };
+    check_case("depth maps: the kernel grows with lobe and distance");
+    struct scene s = {0};
+    params_defaults(&s.params);
+    struct groom *g = sheet();
     const double depth = STRANDS * 1e-4 / 0.5; // crossings of the sheet
     struct crossings_light light[WIDTHS];
     struct crossings_place place[PLACES] = {{{0}, 0, {0}, 0}};

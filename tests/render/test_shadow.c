@@ -98,10 +98,45 @@ static struct buf fresh(const struct params *p)
     return b;
 }
 
+enum { OFF, CROSSINGS, MAP, METHODS };
+
+static void as_much(const struct buf want[METHODS])
+{
+    check_case("depth maps take away about as much light as the field");
+    const double off = scene_sum(&want[OFF], 1);
+    const double field = scene_sum(&want[CROSSINGS], 1);
+    const double map = scene_sum(&want[MAP], 1);
+    printf("  light that is left: %.3f, %.3f by the field; they differ by "
+           "%.3f\n",
+           map / off, field / off,
+           scene_difference(&want[MAP], &want[CROSSINGS]));
+    CHECK(map < off && field < off);
+    // Measured: see the line above; T~ of either is off by up to .1 a place.
+    CHECK_NEAR(map / off, field / off, 0.05);
+    CHECK_ATMOST(scene_difference(&want[MAP], &want[CROSSINGS]), 0.2);
+}
+
+static void map_edits(struct renderer *r, const struct params *p,
+                      const struct buf *start)
+{
+    check_case("... and of light, fibre and the hair's width");
+    for (int i = 0; i < 3; i++) {
+        struct params q = *p;
+        q.light.yaw = i == 0 ? 33 : 0;
+        q.fibre.sigma_a[0] = i == 1 ? 2 : q.fibre.sigma_a[0];
+        q.hair.diameter = i == 2 ? 0.4f : q.hair.diameter;
+        renderer_set_params(r, &q);
+        struct buf edited = scene_linear(r), again = fresh(&q);
+        CHECK(scene_same(&edited, &again));
+        CHECK(!scene_same(&edited, start));
+        buf_finish(&edited);
+        buf_finish(&again);
+    }
+}
+
 // Depth maps: another source of the same numbers.
 static void maps(void)
 {
-    enum { OFF, CROSSINGS, MAP, METHODS };
     struct params p;
     struct buf want[METHODS];
     struct renderer_stats s;
@@ -128,31 +163,8 @@ static void maps(void)
         CHECK(scene_same(&edited, &want[order[i]]));
         buf_finish(&edited);
     }
-    check_case("... and of light, fibre and the hair's width");
-    for (int i = 0; i < 3; i++) {
-        struct params q = p;
-        q.light.yaw = i == 0 ? 33 : 0;
-        q.fibre.sigma_a[0] = i == 1 ? 2 : q.fibre.sigma_a[0];
-        q.hair.diameter = i == 2 ? 0.4f : q.hair.diameter;
-        renderer_set_params(r, &q);
-        struct buf edited = scene_linear(r), again = fresh(&q);
-        CHECK(scene_same(&edited, &again));
-        CHECK(!scene_same(&edited, &want[MAP]));
-        buf_finish(&edited);
-        buf_finish(&again);
-    }
-    check_case("depth maps take away about as much light as the field");
-    const double off = scene_sum(&want[OFF], 1);
-    const double field = scene_sum(&want[CROSSINGS], 1);
-    const double map = scene_sum(&want[MAP], 1);
-    printf("  light that is left: %.3f, %.3f by the field; they differ by "
-           "%.3f\n",
-           map / off, field / off,
-           scene_difference(&want[MAP], &want[CROSSINGS]));
-    CHECK(map < off && field < off);
-    // Measured: see the line above; T~ of either is off by up to .1 a place.
-    CHECK_NEAR(map / off, field / off, 0.05);
-    CHECK_ATMOST(scene_difference(&want[MAP], &want[CROSSINGS]), 0.2);
+    map_edits(r, &p, &want[MAP]);
+    as_much(want);
     check_case("depth maps have no rays, and say so");
     p.shadow.method = MAP;
     p.shadow.rays = 4;
