@@ -1,6 +1,7 @@
 // best.glsl - scheme `best`: single scattering of one SRBF light by one fibre
-// (Xu 2011, eq 11), evaluated with as little error as the paper's way costs time
-// (docs/METHODS.md).  Include after xu.glsl, whose Fibre and Srbf it takes.
+// (Xu 2011, eq 11), with a fiftieth of the median error of scheme `paper` (sum of
+// modes, typical fibres) in half as much time again (docs/METHODS.md).  Include
+// after xu.glsl, whose Fibre and Srbf it takes.
 //
 //   best_fibre()     what an edit made of the fibre, once a cell
 //   best_modes(...)  M_R M_TT M_TRT for each colour channel
@@ -8,7 +9,7 @@
 // theta_i: four nodes under the product of the light and M_t.  R, TT: four and
 // five nodes of phi where the light falls on the lobe; N_R and N_TT are exact.
 // TRT: the lobes of renderer/best_lobes.h.
-// Variants: XU_ECCENTRIC, XU_NO_TT_TRT, BEST_NO_R.
+// Variants: XU_ECCENTRIC, XU_NO_TT_TRT.
 // Finite and >= 0 for every legal parameter and |theta| <= pi/2.
 // Loops are written out, as in dual.glsl.
 
