@@ -11,11 +11,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "renderer/renderer_private.h"
 #include "renderer/timer.h"
 
-enum { RUNS_MAX = 100, COLUMNS = RENDERER_STAGES + 1 }; // + wall
+enum { RUNS_MAX = 100, COLUMNS = RENDERER_STAGES + 2 }; // + wall, CPU
 
 struct way {
     const char *name;
@@ -96,16 +97,20 @@ static void edit(struct way *w, int k)
     if (w->anew)
         forward_forget(&w->r->forward);
     double began = timer_now();
+    clock_t cpu = clock(); // of all threads: other work does not count
     renderer_set_params(w->r, &w->p);
     must(renderer_step(w->r, &done, &err), &err);
     must(renderer_read_display(w->r, &pixels, &err), &err);
     double wall = 1e3 * (timer_now() - began);
+    double used = 1e3 * (double)(clock() - cpu) / CLOCKS_PER_SEC;
     buf_finish(&pixels);
     renderer_stats(w->r, &s);
     for (int i = 0; k >= 0 && i < RENDERER_STAGES; i++)
         w->ms[i][k] = s.stage_ms[i];
-    if (k >= 0)
+    if (k >= 0) {
         w->ms[RENDERER_STAGES][k] = wall;
+        w->ms[RENDERER_STAGES + 1][k] = used;
+    }
 }
 
 static void report(const struct way *w, const char *groom, int runs)
@@ -115,8 +120,9 @@ static void report(const struct way *w, const char *groom, int runs)
     const double ms = median(w->ms[RENDERER_STAGES], runs);
     const double direct = median(ways[0].ms[RENDERER_STAGES], runs);
     printf("{\"scene\":\"%s\",\"way\":\"%s\",\"median_ms\":%.1f,"
-           "\"of_direct\":%.2f,\"stages\":{",
-           groom, w->name, ms, ms / direct);
+           "\"of_direct\":%.2f,\"cpu_ms\":%.1f,\"stages\":{",
+           groom, w->name, ms, ms / direct,
+           median(w->ms[RENDERER_STAGES + 1], runs));
     const char *comma = "";
     for (int i = 0; i < RENDERER_STAGES; i++)
         if (w->ms[i][0] >= 0) {
@@ -126,6 +132,7 @@ static void report(const struct way *w, const char *groom, int runs)
         }
     printf("},\"shaded\":%u,\"lights\":%d,\"device\":\"%s\"}\n",
            s.visible_points, s.lights_used, renderer_device(w->r));
+    fflush(stdout);
 }
 
 // Sum of |a - b| over sum of b, and quantiles of |a - b| of pixels that see
@@ -189,8 +196,9 @@ static void scene(const char *name, int runs)
     for (int i = 0; i < WAYS; i++)
         report(&ways[i], name, runs);
     apart(name, ways[0].r, ways[1].r);
-    finish(&ways[0], 16);
-    finish(&ways[1], 16);
+    fflush(stdout);
+    finish(&ways[0], 4);
+    finish(&ways[1], 4);
     apart(name, ways[0].r, ways[1].r);
     for (int i = 0; i < WAYS; i++)
         renderer_destroy(ways[i].r);
