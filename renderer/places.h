@@ -30,8 +30,9 @@ struct places_item {
 // item[]; *got is how many.  The same picture and seed give the same places in
 // the same order.  Their radiance is that of the newest sample's state:
 // shadow.rays refines it.
-// Fails when nothing is rendered yet, when what is rendered is stale, or when
-// the store of cells has been emptied since sample 0 (quality.cache_mb).
+// Fails when nothing is rendered of the present state, when the store of cells
+// has been emptied since sample 0 (quality.cache_mb), or for
+// render.path=forward.
 bool renderer_places(struct renderer *r, size_t want, uint64_t seed,
                      struct places_item *item, size_t *got, struct error *err);
 

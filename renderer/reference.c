@@ -80,6 +80,7 @@ static void take_lights(struct reference *s, const struct sky_fit *fit)
     double m[9];
     const double gain = exp2((double)s->params.tint.exposure);
     lights_rotation(&s->params, m);
+    free(s->light);
     s->light = bytes_zalloc(SKY_LIGHTS_MAX, sizeof *s->light);
     s->lights = fit->count;
     for (int j = 0; j < fit->count; j++) {
@@ -95,30 +96,115 @@ static void take_lights(struct reference *s, const struct sky_fit *fit)
     }
 }
 
-struct reference *reference_create(const struct reference_scene *scene,
-                                   struct error *err)
+static uint64_t hashed(uint64_t h, const void *data, size_t size)
 {
-    const struct groom *g = scene->groom;
-    struct reference *s = bytes_zalloc(1, sizeof *s);
-    s->params = *scene->params;
-    s->points = g->points;
-    s->shoot = shoot_create(g, scene->params, err);
-    if (!s->shoot) {
-        reference_destroy(s);
-        return NULL;
+    const unsigned char *p = data;
+    for (; size >= 8; size -= 8, p += 8) {
+        uint64_t x;
+        memcpy(&x, p, sizeof x);
+        h = (h ^ x) * 0x9e3779b97f4a7c15u;
+        h ^= h >> 29;
     }
-    struct fibre_spec spec;
-    fibre_spec_of(scene->params, scene->model, &spec);
-    s->fibre = fibre_create(&spec);
-    reference_sky_make(&s->sky, scene->map, scene->params);
+    for (; size > 0; size--)
+        h = (h ^ *p++) * 0x100000001b3u;
+    return h;
+}
+
+// Tells grooms apart; an address may be another groom's by now.
+static uint64_t key_of(const struct groom *g)
+{
+    const size_t n = g->points * sizeof(float);
+    uint64_t h = hashed(1, g->first, ((size_t)g->strands + 1) * 4);
+    h = hashed(h, g->position, 3 * n);
+    if (g->diameter)
+        h = hashed(h, g->diameter, n);
+    if (g->opacity)
+        h = hashed(h + 1, g->opacity, n);
+    if (g->colour)
+        h = hashed(h + 2, g->colour, 3 * n);
+    h = hashed(h, &g->default_diameter, sizeof g->default_diameter);
+    h = hashed(h, &g->default_opacity, sizeof g->default_opacity);
+    h = hashed(h, g->default_colour, sizeof g->default_colour);
+    h = hashed(h, g->head.centre, sizeof g->head.centre);
+    h = hashed(h, g->head.radius, sizeof g->head.radius);
+    return hashed(h, &g->up, sizeof g->up) + g->head.present;
+}
+
+static void drop_hair(struct reference *s)
+{
+    shoot_destroy(s->shoot);
+    free(s->tangent);
+    free(s->axis);
+    free(s->colour);
+    s->shoot = NULL;
+    s->tangent = s->colour = NULL;
+    s->axis = NULL;
+}
+
+static bool take_hair(struct reference *s, const struct groom *g,
+                      const struct params *p, struct error *err)
+{
+    const uint64_t key = key_of(g);
+    const bool moved = params_changed(&s->params, p) & 1u << GROUP_hair;
+    if (s->shoot && key == s->hair_key && !moved) {
+        s->params = *p;
+        return true;
+    }
+    struct shoot *shoot = shoot_create(g, p, err);
+    if (!shoot)
+        return false;
+    drop_hair(s);
+    s->params = *p;
+    s->shoot = shoot;
+    s->hair_key = key;
     take_tangents(s, g);
     take_box(s, g);
     take_colour(s, g);
+    return true;
+}
+
+bool reference_update(struct reference *s, const struct reference_scene *scene,
+                      struct error *err)
+{
+    const uint32_t sky_groups = 1u << GROUP_light | 1u << GROUP_tint |
+                                1u << GROUP_sun1 | 1u << GROUP_sun2 |
+                                1u << GROUP_sun3;
+    const uint32_t changed = params_changed(&s->params, scene->params);
+    if (!take_hair(s, scene->groom, scene->params, err))
+        return false;
+    struct fibre_spec spec;
+    fibre_spec_of(scene->params, scene->model, &spec);
+    if (!s->fibre || changed & 1u << GROUP_fibre ||
+        fibre_spec(s->fibre)->model != scene->model) {
+        fibre_destroy(s->fibre);
+        s->fibre = fibre_create(&spec);
+    }
+    if (changed & sky_groups || !s->sky_made ||
+        memcmp(s->sky_key, scene->map->sha256, sizeof s->sky_key) != 0) {
+        reference_sky_make(&s->sky, scene->map, scene->params);
+        memcpy(s->sky_key, scene->map->sha256, sizeof s->sky_key);
+        s->sky_made = true;
+    }
+    s->lights = 0;
     if (scene->fit)
         take_lights(s, scene->fit);
-    if (spec.a != 1) {
-        s->axis = bytes_zalloc(g->points, sizeof *s->axis);
-        strands_axes(g, place_up(g, scene->params), s->axis);
+    if (spec.a != 1 && !s->axis) {
+        s->axis = bytes_zalloc(scene->groom->points, sizeof *s->axis);
+        strands_axes(scene->groom, place_up(scene->groom, scene->params),
+                     s->axis);
+    }
+    s->elliptic = spec.a != 1;
+    return true;
+}
+
+struct reference *reference_create(const struct reference_scene *scene,
+                                   struct error *err)
+{
+    struct reference *s = bytes_zalloc(1, sizeof *s);
+    params_defaults(&s->params);
+    if (!reference_update(s, scene, err)) {
+        reference_destroy(s);
+        return NULL;
     }
     return s;
 }
@@ -127,11 +213,8 @@ void reference_destroy(struct reference *s)
 {
     if (!s)
         return;
-    shoot_destroy(s->shoot);
+    drop_hair(s);
     fibre_destroy(s->fibre);
-    free(s->tangent);
-    free(s->axis);
-    free(s->colour);
     free(s->light);
     free(s);
 }
@@ -247,7 +330,7 @@ void reference_vertex_of(const struct reference *s, uint32_t segment,
         out->u[k] = n > 1e-12 ? out->u[k] / sqrt(n) : (double)t[k];
     out->segment = segment;
     out->along = along;
-    if (s->axis)
+    if (s->elliptic)
         axis_at(s->axis + segment, along, side);
     frame(out, side, to_eye);
 }

@@ -40,12 +40,18 @@ struct reference_scene { // borrowed for the call
 // NULL when the groom is more than shoot.h takes.
 struct reference *reference_create(const struct reference_scene *scene,
                                    struct error *err);
+// Makes s what reference_create would, anew only in what differs: hair, fibre,
+// sky (told apart by their contents).  False leaves it as it was.
+bool reference_update(struct reference *s, const struct reference_scene *scene,
+                      struct error *err);
 // A renderer's present groom, sky, fit and parameters, by pointer; the model
 // is the exact one.  Thread: render.
 void renderer_scene(const struct renderer *r, struct reference_scene *out);
 // Of a renderer's present groom, sky, fit and parameters.  Thread: render.
 struct reference *renderer_reference(const struct renderer *r,
                                      enum fibre_model model, struct error *err);
+bool renderer_reference_update(const struct renderer *r, enum fibre_model model,
+                               struct reference *s, struct error *err);
 void reference_destroy(struct reference *s); // NULL is allowed
 const struct fibre *reference_fibre(const struct reference *s);
 
@@ -107,7 +113,9 @@ struct reference_estimate { // of one place
 
 // Paths from the eye: directions drawn from the fibre and from the sky, both
 // weighted by their densities (Veach and Guibas 1995, balance heuristic);
-// Russian roulette.  out[count].  False when progress stopped it.
+// Russian roulette.  The least noise for all light is had from
+// reference_single's sum and `multiple`.  out[count].  False when progress
+// stopped it.
 bool reference_path(const struct reference *s, const struct places_item *place,
                     size_t count, const struct reference_paths *how,
                     struct reference_estimate *out);

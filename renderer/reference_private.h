@@ -32,9 +32,12 @@ struct reference {
     struct shoot *shoot;
     struct fibre *fibre;
     struct reference_sky sky;
-    uint32_t points;
+    uint64_t hair_key;
+    unsigned char sky_key[32];
+    bool sky_made;
+    bool elliptic;   // the fibre: `axis` counts
     float *tangent;  // [3 * points] as the shading has them
-    uint32_t *axis;  // [points], or NULL: the fibre is circular
+    uint32_t *axis;  // [points], or NULL: not needed yet
     float *colour;   // [3 * points], or NULL
     double plain[3]; // colour where there is no array
     float box_min[3], box_max[3];

@@ -1,5 +1,6 @@
 // reference_sky.c - the sky as even texels, and directions drawn from it.
 #include <math.h>
+#include <string.h>
 
 #include "renderer/reference_private.h"
 #include "renderer/sky_fit_target.h"
@@ -51,6 +52,7 @@ void reference_sky_make(struct reference_sky *s, const struct sky_map *map,
                         const struct params *p)
 {
     struct sky_fit_target t;
+    memset(s, 0, sizeof *s);
     sky_fit_target_init(&t, map, 1, SKY_FIT_PLAIN);
     turn(s, &t, p);
     const double gain = exp2((double)p->tint.exposure);

@@ -136,6 +136,10 @@ static bool ready(const struct renderer *r, struct error *err)
 {
     if (r->samples == 0)
         return error_set(err, "state", "image", "nothing is rendered yet");
+    if (r->path == RENDERER_FORWARD)
+        return error_set(err, "state", "render.path",
+                         "render.path: forward shades fragments and keeps no "
+                         "light of places");
     if (r->picture.flushed)
         return error_set(err, "state", "quality.cache_mb",
                          "quality.cache_mb: %d is too little to keep what "
@@ -185,16 +189,28 @@ void renderer_scene(const struct renderer *r, struct reference_scene *out)
                                     FIBRE_EXACT};
 }
 
+static bool scene_of(const struct renderer *r, enum fibre_model model,
+                     struct reference_scene *scene, struct error *err)
+{
+    if (!r->groom || !r->map)
+        return error_set(err, "state", r->groom ? "env" : "hair",
+                         "no %s is loaded", r->groom ? "sky" : "groom");
+    renderer_scene(r, scene);
+    scene->model = model;
+    return true;
+}
+
 struct reference *renderer_reference(const struct renderer *r,
                                      enum fibre_model model, struct error *err)
 {
-    if (!r->groom || !r->map) {
-        error_set(err, "state", r->groom ? "env" : "hair", "no %s is loaded",
-                  r->groom ? "sky" : "groom");
-        return NULL;
-    }
     struct reference_scene scene;
-    renderer_scene(r, &scene);
-    scene.model = model;
-    return reference_create(&scene, err);
+    return scene_of(r, model, &scene, err) ? reference_create(&scene, err)
+                                           : NULL;
+}
+
+bool renderer_reference_update(const struct renderer *r, enum fibre_model model,
+                               struct reference *s, struct error *err)
+{
+    struct reference_scene scene;
+    return scene_of(r, model, &scene, err) && reference_update(s, &scene, err);
 }

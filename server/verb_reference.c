@@ -37,6 +37,7 @@ static bool tell(void *self, const struct reference_progress *p)
 }
 
 static struct reference *open_scene(const struct options *o,
+                                    enum fibre_model model,
                                     struct still_state *state,
                                     struct error *err)
 {
@@ -46,7 +47,7 @@ static struct reference *open_scene(const struct options *o,
     if (assets_hair_load(&hair, o->hair, NULL, err) &&
         assets_sky_load(&sky, o->env, NULL, err)) {
         const struct reference_scene scene = {hair.groom, sky.map, NULL,
-                                              &o->params, FIBRE_EXACT};
+                                              &o->params, model};
         state->hair = hair.source;
         state->env = sky.source;
         s = reference_create(&scene, err);
@@ -87,12 +88,13 @@ bool verb_reference_run(const struct options *o,
                         struct error *err)
 {
     char device[96];
-    snprintf(device, sizeof device, "%s, %d samples, seed %d", how->method,
+    snprintf(device, sizeof device, "%s, %s fibre, %d samples, seed %d",
+             how->method, how->model == FIBRE_EXACT ? "exact" : "marschner",
              how->samples, how->seed);
     struct still_state state = {.params = &o->params, .device = device};
     if (!reference_picture_fits(&o->params, how->samples, err))
         return false; // before anything is loaded
-    struct reference *s = open_scene(o, &state, err);
+    struct reference *s = open_scene(o, how->model, &state, err);
     if (!s)
         return false;
     const size_t n =

@@ -8,10 +8,12 @@
 
 #include "protocol/bytes.h"
 #include "protocol/error.h"
+#include "renderer/fibre.h"
 #include "server/options.h"
 
 struct verb_reference {
     const char *method; // "reference-single", "reference-path"; NULL: neither
+    enum fibre_model model;
     int samples, seed;
     bool progress; // on stderr even where it is no terminal
     bool verbose;

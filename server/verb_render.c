@@ -198,6 +198,7 @@ int verb_render_run(int argc, char **argv)
 {
     struct wanted want = {0};
     struct verb_reference how = {.samples = 64};
+    const char *fibre = "exact";
     const struct options_row rows[] = {
         {"layers", OPTIONS_FLAG, &want.layers, 0, 0, NULL,
          "write the picture's parts as well: single_R, single_TT, single_TRT, "
@@ -205,6 +206,8 @@ int verb_render_run(int argc, char **argv)
         {"method", OPTIONS_TEXT, &how.method, 0, 0, "NAME",
          "reference-single or reference-path: by rays against the strands, in "
          "double precision (.exr)"},
+        {"fibre", OPTIONS_TEXT, &fibre, 0, 0, "exact|marschner",
+         "a reference's fibre: exact, or Marschner 2003's practical model"},
         {"spp", OPTIONS_INT, &how.samples, 1, 65536, "N",
          "paths a pixel of a reference; 64 unless given"},
         {"seed", OPTIONS_INT, &how.seed, 0, 2147483647, "N",
@@ -224,6 +227,10 @@ int verb_render_run(int argc, char **argv)
     struct options o;
     int status = options_parse(&o, &verb, argc, argv);
     how.verbose = want.verbose;
+    if (status < 0 && strcmp(fibre, "exact") != 0 &&
+        strcmp(fibre, "marschner") != 0)
+        status = usage("--fibre ", fibre, "is not one of exact, marschner");
+    how.model = strcmp(fibre, "exact") == 0 ? FIBRE_EXACT : FIBRE_MARSCHNER;
     if (status < 0)
         status = run(&o, &want, &how);
     options_finish(&o);

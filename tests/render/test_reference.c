@@ -3,6 +3,7 @@
 #include "renderer/reference.h"
 
 #include <sched.h>
+#include <stddef.h>
 #include <stdlib.h>
 
 #include "renderer/places.h"
@@ -12,8 +13,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-// --- scenes
-// -------------------------------------------------------------------
+// --- scenes -----------------------------------------------------------------
 
 struct fixture {
     struct renderer *r;
@@ -67,8 +67,7 @@ static struct reference_estimate *paths(const struct fixture *f, int samples,
     return e;
 }
 
-// --- places
-// -------------------------------------------------------------------
+// --- places -----------------------------------------------------------------
 
 // With one sample a covered pixel is what its cell sends, bit for bit; the cell
 // is a pixel long, so its middle is at most that far from where it is seen.
@@ -116,8 +115,7 @@ static void places(void)
     end(&f);
 }
 
-// --- light scattered once
-// -----------------------------------------------------
+// --- light scattered once ---------------------------------------------------
 
 // Sums over all places and channels: their difference in standard errors, and
 // chi-square over those that are lit well enough to have a normal mean.
@@ -207,8 +205,7 @@ static void even_sky(void)
     end(&f);
 }
 
-// --- energy
-// -------------------------------------------------------------------
+// --- energy -----------------------------------------------------------------
 
 // What a path leaves behind at each scattering: 1 - albedo.  Under an even sky
 // of 1 that is all that is missing.
@@ -282,8 +279,7 @@ static void furnace(void)
     end(&f);
 }
 
-// --- how it is run
-// ------------------------------------------------------------
+// --- how it is run ----------------------------------------------------------
 
 static bool stop(void *self, const struct reference_progress *p)
 {
@@ -338,8 +334,45 @@ static void running(void)
     end(&f);
 }
 
-// --- pictures
-// -------------------------------------------------------------------
+// Every kind of change, one after the other, against one made afresh.
+static void updates(void)
+{
+    static const struct {
+        const char *what;
+        size_t at;
+        float to;
+    } edits[] = {
+        {"fibre", offsetof(struct params, fibre.eta), 1.3f},
+        {"axis", offsetof(struct params, fibre.a), 0.9f},
+        {"sky", offsetof(struct params, light.yaw), 30},
+        {"tint", offsetof(struct params, tint.exposure), 1},
+        {"sun", offsetof(struct params, sun2.strength), 3},
+        {"hair", offsetof(struct params, hair.diameter), 1.1f},
+    };
+    struct fixture f = plain();
+    struct error err = {0};
+    check_case("reference: brought up to date is made anew");
+    begin(&f, lock(true), scene_two_lamps(), 10);
+    for (size_t k = 0; k < sizeof edits / sizeof edits[0]; k++) {
+        struct reference_estimate *before = paths(&f, 8, 1), *a, *b;
+        memcpy((char *)&f.p + edits[k].at, &edits[k].to, sizeof(float));
+        renderer_set_params(f.r, &f.p);
+        CHECK(renderer_reference_update(f.r, FIBRE_EXACT, f.s, &err));
+        a = paths(&f, 8, 1);
+        reference_destroy(f.s);
+        f.s = renderer_reference(f.r, FIBRE_EXACT, &err);
+        b = paths(&f, 8, 1);
+        CHECK(memcmp(a, b, f.count * sizeof *a) == 0);
+        if (!CHECK(memcmp(a, before, f.count * sizeof *a) != 0))
+            printf("  %s\n", edits[k].what);
+        free(a);
+        free(b);
+        free(before);
+    }
+    end(&f);
+}
+
+// --- pictures ---------------------------------------------------------------
 
 static void picture(void)
 {
@@ -396,6 +429,7 @@ int main(void)
     even_sky();
     furnace();
     running();
+    updates();
     picture();
     return check_end();
 }
