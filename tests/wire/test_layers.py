@@ -29,6 +29,7 @@ def sums(planes):
 
 
 def capture(c, options=""):
+    c.socket.settimeout(90)  # each part is a program, compiled the first time
     frame, body = c.capture(EXR + options)
     return frame, read(body)[2]
 
