@@ -156,7 +156,8 @@ bench-stages: deps
 # Writes docs/SHADOWS.md; a few minutes on two quiet cores.
 bench-shadows: deps
 	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_crossings
-	@$(B)/tests/bench/bench_crossings $(ARGS) > $(B)/shadows.jsonl
+	@GLINT_DATA=$(GLINT_DATA) $(B)/tests/bench/bench_crossings $(ARGS) \
+	    > $(B)/shadows.jsonl
 	@python3 tests/bench/shadows_report.py < $(B)/shadows.jsonl \
 	    > docs/SHADOWS.md
 bench-forward: deps

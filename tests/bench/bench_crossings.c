@@ -181,9 +181,9 @@ static void bench(const char *source)
 
 int main(int argc, char **argv)
 {
-    static const char *const usual[] = {
-        "builtin:animation", "../shared/data/hair/straight.hair:0.1",
-        "../shared/data/hair/amd_testhair1.hair:0.2"};
+    static const char *const files[] = {"straight.hair:0.1",
+                                        "amd_testhair1.hair:0.2"};
+    const char *data = getenv("GLINT_DATA");
     struct error err = {0};
     struct egl *egl = egl_create(&err);
     must(egl, &err);
@@ -195,8 +195,13 @@ int main(int argc, char **argv)
         *to = atoi(argv[i + 1]);
     }
     if (i == argc)
-        for (int k = 0; k < 3; k++)
-            bench(usual[k]);
+        bench("builtin:animation");
+    for (int k = 0; i == argc && k < 2; k++) {
+        char source[512];
+        snprintf(source, sizeof source, "%s/hair/%s",
+                 data ? data : "../shared/data", files[k]);
+        bench(source);
+    }
     for (; i < argc; i++)
         bench(argv[i]);
     egl_destroy(egl);

@@ -120,14 +120,15 @@ T_f(.6), and of 12 lights.
     enough = [r for r in (1, 4, 16) if worst(r) <= .045]
     print("""
 - One ray changes the error of T~ by %+.3f on the groom that it helps least: few
-  count less (METHODS.md, 3.4). At rest .045 is met on every groom by %s rays.
+  count less (METHODS.md, 3.4). Rays that suffice for
+  .045 on every groom: %s.
 - What is wrong with the field on a dense groom is mostly what is seen from
   outside: there hair begins within a voxel or two. Its bias at the start of .7
   voxels is small, so a longer or shorter start gains nothing; finer voxels and
   rays do, each on its own.
 - Maps see one direction a lobe and take the transmittance of a mean; wide lobes
   and T_f suffer most. More cells alone make them darker, for what is close to
-  the place moves into the kernel.""" % (more, enough[0] if enough else "no"))
+  the place moves into the kernel.""" % (more, enough[0] if enough else "more than 16"))
 
 
 def main():
@@ -138,7 +139,8 @@ def main():
             grooms.append(d["groom"])
     first = lines[0]
     print(HEAD % (first["truth_rays"], first["places"], first["lights"]), end="")
-    refined(lines, grooms)
+    if any(d["resolution"] == 96 for d in lines):
+        refined(lines, grooms)
     verdict(lines, grooms)
     for g in grooms:
         these = [d for d in lines if d["groom"] == g]
