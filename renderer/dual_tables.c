@@ -242,8 +242,14 @@ static void look(const struct dual_tables *t, double theta_o, int channel,
                  struct view *v)
 {
     struct dual_mean m;
-    dual_tables_mean(t, -theta_o, channel, &m);
-    double mu = m.delta_b - theta_o, reach = 4.5 * m.sigma_b;
+    double mu = -theta_o;
+    // The centre moves with the inclination that it makes: for lobes of less
+    // than a degree by many widths.
+    for (int i = 0; i < 5; i++) {
+        dual_tables_mean(t, (mu - theta_o) / 2, channel, &m);
+        mu = m.delta_b - theta_o;
+    }
+    double reach = 4.5 * m.sigma_b;
     double lo = fmax(mu - reach, -pi / 2), hi = fmin(mu + reach, pi / 2);
     if (lo > hi) // the cone points beyond the fibre's end: what is left of it
         lo = hi = mu > 0 ? pi / 2 - 1e-3 : 1e-3 - pi / 2;

@@ -166,9 +166,9 @@ static void put_truth(FILE *out)
     }
     fprintf(out,
             "\n%ld vectors. Brute force takes seconds for a flat fibre (its "
-            "index depends on the\nlight's azimuth): fewer there, and one in "
-            "forty of the flat ones elsewhere.\n",
-            vectors);
+            "index depends on the\nlight's azimuth): %d of them in `flat`, "
+            "the others are made round.\n",
+            vectors, TRUTH_FLAT);
 }
 
 // --- dual scattering --------------------------------------------------------
