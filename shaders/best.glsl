@@ -135,6 +135,9 @@ BestPlace best_place(float theta_i, float theta_o, BestFibre b, BestLight l)
 {
     BestPlace p;
     p.cos_i = special_cos(theta_i);
+    GUARD_LIVE(abs(theta_i) < XU_HALF_PI); // else nothing comes of it
+    GUARD(GUARD_COS_D, special_cos(0.5 * (theta_o - theta_i)) < 1e-6);
+    GUARD(GUARD_FLAT, p.cos_i > 1e-6 && 0.5 * l.kappa * p.cos_i < 1e-12);
     p.cos_d = max(special_cos(0.5 * (theta_o - theta_i)), 1e-6);
     p.kappa = l.kappa * p.cos_i;
     p.lambda = inversesqrt(max(0.5 * p.kappa, 1e-12));
@@ -165,6 +168,7 @@ float best_r(BestPlace p, BestLight l, float square)
     vec4 f = u * (across * across + along * along);
     float mean = dot(g, f) / dot(g, vec4(1.0));
     float fall = p.cos_i / p.cos_d;
+    GUARD(GUARD_FALL, fall * fall > 4.0);
     // 2 pi / 8
     return 0.785398163 * min(fall * fall, 4.0) * special_i0e(p.kappa) * mean;
 }
@@ -297,6 +301,14 @@ vec3 best_trt(Fibre f, BestPlace p, BestFibre b, BestLight l)
     s = BEST_POLY(b.halves, 0, x);
     v = BEST_POLY(b.spread, 0, x);
 #endif
+    GUARD(GUARD_BEST_SINE, greaterThan(abs(s), vec3(1.0001)));
+    GUARD(GUARD_BEST_SPREAD, lessThan(v, vec3(b.index.w)));
+    GUARD(GUARD_BEST_POWER, // one of the three against the sum
+          lessThan(min(min(BEST_POLY(b.power, 0, x), BEST_POLY(b.power, 10, x)),
+                       BEST_POLY(b.power, 20, x)),
+                   -0.01 * (BEST_POLY(b.power, 0, x) +
+                            BEST_POLY(b.power, 10, x) +
+                            BEST_POLY(b.power, 20, x))));
     s = clamp(s, -1.0, 1.0);
     vec3 c = sqrt(1.0 - s * s), k = 1.0 / max(v, b.index.w);
     // sines of half the angles between light and lobes, phi and -phi
