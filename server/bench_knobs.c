@@ -9,8 +9,8 @@
 enum { Q = BENCH_KNOBS_QUICK, I = BENCH_KNOBS_INTEGRAL, S = BENCH_KNOBS_SKY };
 
 const char *const bench_knobs_groups[] = {
-    "default", "scheme",   "segments", "lights",  "shadow",
-    "rays",    "multiple", "path",     "samples", NULL};
+    "default", "scheme",   "segments", "path",    "lights", "shadow",
+    "rays",    "multiple", "rest",     "samples", NULL};
 
 // A new knob is one row: assignments that hold for the whole row (or ""), the
 // parameter, its values.
@@ -42,6 +42,10 @@ static const struct knob {
     {"rays", "", "shadow.rays", "1", Q},
     {"rays", "", "shadow.rays", "4 16", 0},
     {"multiple", "", "render.multiple", "off paper best", Q},
+    // the picture at rest, in which no other error drowns in the field's
+    {"rest", "shadow.rays=4", "render.scheme", "paper best", 0},
+    {"rest", "shadow.rays=4", "render.multiple", "off paper best", 0},
+    {"rest", "shadow.rays=4", "sky.lights", "5 10 20 80", 0},
     {"samples", "", "quality.samples", "4 16 64", BENCH_KNOBS_PICTURE},
 };
 
