@@ -18,6 +18,7 @@ enum {
     L = FAST_TABLES_L,
     P = FAST_TABLES_P,
     TERMS = FAST_TABLES_TERMS,
+    WAYS = FAST_TABLES_WAYS,
     TERMS_LOCATION = 0,
     CELL_BYTES = 5 * 16, // TT and TRT two uvec4, R one
     VALUE_BYTES = 2 * 16
@@ -29,8 +30,9 @@ static const unsigned binding[BUFFERS] = {0, 1, 2, 3, 15};
 
 struct fast_tables {
     float coefficient[D * TERMS][8]; // [theta_d][n]: TT, R; TRT, 0
+    uint32_t way[WAYS][4]; // [theta_j]: a_f and betabar_f, 16 bits each
     int terms;
-    bool stale;
+    bool stale, ways_stale;
     unsigned buffer[BUFFERS], texture; // 0 until bound for the first time
     unsigned values, pack;             // programs
 };
@@ -94,6 +96,23 @@ void fast_tables_update(struct fast_tables *t, const struct dual_fibre *f)
     t->stale = true;
 }
 
+static uint32_t part(double x)
+{
+    return (uint32_t)lrint(65535 * fmin(fmax(x, 0), 1));
+}
+
+void fast_tables_forward(struct fast_tables *t, const struct dual_tables *dual)
+{
+    for (int i = 0; i < WAYS; i++)
+        for (int k = 0; k < 3; k++) {
+            struct dual_mean m;
+            dual_tables_mean(dual, pi * ((i + 0.5) / WAYS - 0.5), k, &m);
+            t->way[i][k] =
+                part(m.a_f) << 16 | part(sqrt(m.beta2_f) / FAST_TABLES_BETA);
+        }
+    t->ways_stale = true;
+}
+
 // --- on the device ----------------------------------------------------------
 static unsigned make(size_t bytes, const void *data, const char *name)
 {
@@ -151,7 +170,8 @@ static bool create_objects(struct fast_tables *t, struct error *err)
     b[COSINES] = make_cosines();
     b[VALUES] =
         make((size_t)FAST_TABLES_CELLS * VALUE_BYTES, NULL, "fast values");
-    b[CELLS] = make((size_t)FAST_TABLES_CELLS * CELL_BYTES, NULL, "fast cells");
+    b[CELLS] = make((size_t)FAST_TABLES_CELLS * CELL_BYTES + sizeof t->way,
+                    NULL, "fast cells");
     gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &t->texture);
     gl.TextureBuffer(t->texture, GL_RGBA32UI, b[CELLS]);
     gl.ObjectLabel(GL_TEXTURE, t->texture, -1, "fast cells");
@@ -183,6 +203,12 @@ bool fast_tables_bind(struct fast_tables *t, struct error *err)
     if (t->stale) {
         fill(t);
         t->stale = false;
+    }
+    if (t->ways_stale) {
+        gl.NamedBufferSubData(t->buffer[CELLS],
+                              (GLintptr)FAST_TABLES_CELLS * CELL_BYTES,
+                              sizeof t->way, t->way);
+        t->ways_stale = false;
     }
     gl.BindTextureUnit(FAST_TABLES_UNIT, t->texture);
     return true;

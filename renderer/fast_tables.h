@@ -15,17 +15,19 @@
 #include <stdbool.h>
 
 #include "protocol/error.h"
-#include "renderer/dual_azimuth.h"
+#include "renderer/dual_tables.h"
 
 enum {
-    FAST_TABLES_UNIT = 11, // as shaders/fast.glsl declares it
+    FAST_TABLES_UNIT = 16, // as shaders/fast.glsl declares it
     FAST_TABLES_D = 24,    // shape: shaders/fast_size.glsl has it too
     FAST_TABLES_L = 24,
     FAST_TABLES_P = 64,
     FAST_TABLES_CELLS = FAST_TABLES_D * (FAST_TABLES_L + 1) * FAST_TABLES_P,
-    FAST_TABLES_TERMS = 64 // of a series, at most
+    FAST_TABLES_WAYS = 2048, // entries over theta_j
+    FAST_TABLES_TERMS = 64   // of a series, at most
 };
 #define FAST_TABLES_LAMBDA 0.02 // lambda' of the first cell's edge
+#define FAST_TABLES_BETA 1.2    // largest standard deviation
 #define FAST_TABLES_STEP 0.25   // of ln lambda'
 
 struct fast_tables;
@@ -38,6 +40,10 @@ const char *fast_tables_refuse(const struct dual_fibre *f);
 // Thread: any, one at a time; no GL is called.  About a millisecond.
 struct fast_tables *fast_tables_create(void);
 void fast_tables_update(struct fast_tables *t, const struct dual_fibre *f);
+
+// What one crossing does to light (dual_forward of shaders/dual.glsl), finely
+// enough that the nearest entry will do.
+void fast_tables_forward(struct fast_tables *t, const struct dual_tables *dual);
 
 // e^-kappa I_n(kappa), n < count.
 void fast_tables_bessel(double kappa, int count, double *out);

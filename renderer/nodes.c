@@ -12,6 +12,8 @@ enum { PART_LOCATION = 0, RAYS_LOCATION = 3, PROGRAMS = 32 };
 void nodes_finish(struct nodes *n)
 {
     const unsigned buffers[] = {n->first.buffer, n->rest.buffer};
+    const unsigned textures[] = {n->first.texture, n->rest.texture};
+    gl.DeleteTextures(2, textures);
     gl.DeleteBuffers(2, buffers);
     for (int i = 0; i < PROGRAMS; i++)
         gl.DeleteProgram(n->program[i]);
@@ -25,8 +27,11 @@ bool nodes_kept(const struct nodes *n, int part, int rays)
 
 uint32_t nodes_room(const struct nodes_request *q)
 {
-    GLint64 limit = 0;
+    GLint64 limit = 0, texels = 0;
     gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
+    gl.GetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+    if (limit > 8 * texels)
+        limit = 8 * texels;
     const uint64_t bytes =
         q->budget < (uint64_t)limit ? q->budget : (uint64_t)limit;
     const uint64_t groups = bytes / (64 * 8 * (uint64_t)q->lights);
@@ -39,10 +44,14 @@ static void grow(struct nodes_store *s, const struct nodes_request *q)
 {
     const uint64_t bytes = 8 * (uint64_t)q->places * (uint64_t)q->lights;
     if (bytes > s->bytes) {
+        gl.DeleteTextures(1, &s->texture);
         gl.DeleteBuffers(1, &s->buffer);
         gl.CreateBuffers(1, &s->buffer);
         gl.NamedBufferStorage(s->buffer, (GLsizeiptr)bytes, NULL, 0);
         gl.ObjectLabel(GL_BUFFER, s->buffer, -1, "transmittances");
+        gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &s->texture);
+        gl.TextureBuffer(s->texture, GL_RG32UI, s->buffer);
+        gl.ObjectLabel(GL_TEXTURE, s->texture, -1, "transmittances");
         s->bytes = bytes;
     }
     s->stride = q->places;
@@ -92,6 +101,7 @@ bool nodes_make(struct nodes *n, const struct nodes_request *q,
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, s->strand);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, NODES_BINDING, store->buffer);
     picture_dispatch_lights(p, q->places, q->lights);
+    gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     n->first_valid |= first;
     return true;
 }

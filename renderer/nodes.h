@@ -15,12 +15,13 @@
 
 enum {
     NODES_BINDING = 15,
+    NODES_UNIT = 17,
     NODES_STRIDE_LOCATION = 2,
     NODES_BEGIN_LOCATION = 4
 };
 
 struct nodes_store {
-    unsigned buffer;
+    unsigned buffer, texture; // one memory: written as a buffer, read as texels
     uint64_t bytes;
     uint32_t stride, begin; // places: how many, and the first of the sample's
 };

@@ -199,6 +199,8 @@ static void update_fast(struct shading *s, const struct params *p)
     if (!s->fast)
         s->fast = fast_tables_create();
     fast_tables_update(s->fast, &f);
+    if (s->multiple)
+        fast_tables_forward(s->fast, s->dual);
 }
 
 void shading_show(struct shading *s, const struct params *p,
@@ -274,8 +276,7 @@ void shading_bind_inputs(struct shading *s, unsigned program,
     if (s->shadowed && nodes) {
         gl.ProgramUniform1ui(program, NODES_STRIDE_LOCATION, nodes->stride);
         gl.ProgramUniform1ui(program, NODES_BEGIN_LOCATION, nodes->begin);
-        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, NODES_BINDING,
-                          nodes->buffer);
+        gl.BindTextureUnit(NODES_UNIT, nodes->texture);
     }
     gl.BindBufferBase(GL_UNIFORM_BUFFER, GLSL_PARAMS_BINDING, s->params);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, strands->position);

@@ -1,6 +1,6 @@
 // fast.glsl - scattering of one light by one fibre from tables that are made
 // once an edit: what the direct path integrates, to a percent, in a fraction of
-// its time.  Include after xu.glsl; with WITH_MULTIPLE after dual.glsl.
+// its time.  Include after xu.glsl.
 //
 // The product of a light's lobe and M_t is a Gaussian in theta_i whose mass is
 // known (Xu 2011, eq 11); what is left, cos^2 theta_i / cos^2 theta_d times the
@@ -10,12 +10,12 @@
 // the Gaussian to second order.  No light and no width of a lobe is known to the
 // tables.  The last slice has eq 28's half circle in place of a light.
 //   fast_modes      as xu_modes: M_R, M_TT, M_TRT
-//   fast_global     M^G of eq 27
-//   fast_multiple   as dual_modes (with WITH_MULTIPLE)
+//   fast_globals    M^G of eq 27, by modes
+//   fast_global     their sum
 // Cells are made by fast_pack.comp; C side: renderer/fast_tables.h.
 #include "fast_size.glsl"
 
-layout(binding = 11) uniform usamplerBuffer fast_cells;
+layout(binding = 16) uniform usamplerBuffer fast_cells;
 
 struct FastCell { // of three channels
     vec3 c, d, l, p;            // value and gradient, a cell being 1 long
@@ -112,16 +112,15 @@ vec3 fast_cos(vec3 x)
 }
 
 // A node's weight: cos^2 theta_i, for R over cos^2 theta_d, and what the
-// circular Gaussian has more than the plain one: exp((x^2 - 4 sin^2(x/2)) /
-// lambda^2), x from the light's centre.  c: cos theta_i.
-vec3 fast_weight(vec3 theta_i, float theta_o, Srbf light, float per12, out vec3 c)
+// circular Gaussian has more than the plain one: exp of (x^2 - 4 sin^2(x/2)) /
+// lambda^2, x from the light's centre, whose first terms are x^4/12 (1 - x^2/30).
+// c: cos theta_i; cone: cos theta_d of R.
+vec3 fast_weight(vec3 x, vec3 c, float cone, float per12)
 {
-    vec3 x = theta_i - light.theta, x2 = x * x;
-    c = fast_cos(theta_i);
-    float d = max(special_cos(0.5 * (theta_o - theta_i.x)), 1e-6);
+    vec3 x2 = x * x, y = min(x2 * x2 * (per12 - (per12 / 30.0) * x2), 1.5);
     vec3 w = c * c;
-    w.x = min(w.x / (d * d), 4.0);
-    return w * exp(min(x2 * x2 * (1.0 - x2 * (1.0 / 30.0)) * per12, 4.0));
+    w.x = min(w.x / (cone * cone), 4.0);
+    return w * (1.0 + y * (1.0 + y * (0.5 + y * (1.0 / 6.0))));
 }
 
 FastLong fast_long(Fibre f, Srbf light, float theta_o)
@@ -129,39 +128,41 @@ FastLong fast_long(Fibre f, Srbf light, float theta_o)
     FastLong g;
     vec3 w2 = 8.0 * f.beta * f.beta, apart = 2.0 * f.alpha - theta_o - light.theta;
     float light2 = light.lambda * light.lambda, per12 = 1.0 / (12.0 * light2);
-    vec3 r2 = 1.0 / (w2 + light2), mu = light.theta + apart * (light2 * r2);
-    vec3 l2 = w2 * light2 * r2, l = sqrt(l2), step = FAST_NODE * l;
+    vec3 r2 = 1.0 / (w2 + light2), away = apart * (light2 * r2);
+    vec3 mu = light.theta + away, step = FAST_NODE * sqrt(w2 * light2 * r2);
     vec3 mass = light.lambda * sqrt(r2) * exp(-apart * apart * r2);
-    vec3 c0, c1, c2;
-    vec3 a = FAST_SIDE * fast_weight(mu - step, theta_o, light, per12, c0);
-    vec3 b = FAST_MIDDLE * fast_weight(mu, theta_o, light, per12, c1);
-    vec3 c = FAST_SIDE * fast_weight(mu + step, theta_o, light, per12, c2);
-    // ln lambda' at the nodes
-    float cos_j = max(special_cos(light.theta), 1e-4);
+    // cosines at the nodes; beyond +-pi/2 there is nothing
+    vec3 c0 = fast_cos(mu - step), c1 = fast_cos(mu), c2 = fast_cos(mu + step);
+    float d = 0.5 * (theta_o - mu.x), h = 0.5 * step.x;
+    vec3 cone = max(fast_cos(vec3(d + h, d, d - h)), 1e-6);
+    vec3 a = FAST_SIDE * fast_weight(away - step, c0, cone.x, per12);
+    vec3 b = FAST_MIDDLE * fast_weight(away, c1, cone.y, per12);
+    vec3 c = FAST_SIDE * fast_weight(away + step, c2, cone.z, per12);
+    // ln lambda' at the nodes; its steps by ln x ~ 2 (x - 1)/(x + 1)
     c1 = max(c1, 0.02);
-    vec3 at = (0.5 * log(light2 / (c1 * cos_j)) - FAST_LOG_LEAST) * FAST_PER_LOG;
+    vec3 lambda2 = light2 / (c1 * max(special_cos(light.theta), 1e-4));
+    vec3 at = (0.5 * FAST_PER_LOG) * log(lambda2) - FAST_LOG_LEAST * FAST_PER_LOG;
+    vec3 back = FAST_PER_LOG * (c1 - c0) / (c1 + c0);
+    vec3 front = FAST_PER_LOG * (c1 - c2) / (c1 + c2);
     // narrower than the tables: as much less light
-    mass *= exp(min(at, 0.0) * (1.0 / FAST_PER_LOG));
-    vec3 back = (-0.5 * FAST_PER_LOG) * log(max(c0, 0.02) / c1);
-    vec3 front = (-0.5 * FAST_PER_LOG) * log(max(c2, 0.02) / c1);
+    mass *= min(sqrt(lambda2) * (1.0 / FAST_LEAST), 1.0);
     g.theta_d = 0.5 * (theta_o - mu);
     g.l = clamp(at, 0.0, FAST_L - 1e-4);
-    vec3 d = (-0.5 * FAST_PER_D) * step * sign(g.theta_d);
+    vec3 move = (-0.5 * FAST_PER_D) * step * sign(g.theta_d);
     vec3 la = a * back, lc = c * front;
     g.m.whole = mass * (a + b + c);
-    g.m.d = mass * d * (c - a);
+    g.m.d = mass * move * (c - a);
     g.m.l = mass * (la + lc);
-    g.m.dd = mass * d * d * (a + c);
-    g.m.dl = mass * d * (lc - la);
+    g.m.dd = mass * move * move * (a + c);
+    g.m.dl = mass * move * (lc - la);
     g.m.ll = mass * (la * back + lc * front);
     return g;
 }
 
 // M_t(omega_j, lambda_j) of eq 11.
-void fast_modes(Fibre f, Srbf light, float theta_o, float phi_o, out vec3 R,
+void fast_modes(Fibre f, Srbf light, float theta_o, float across, out vec3 R,
                 out vec3 TT, out vec3 TRT)
 {
-    float across = xu_across(phi_o - light.phi);
     FastLong g = fast_long(f, light, theta_o);
     FastAt a = fast_at(g.theta_d.x, g.l.x, across);
     R = vec3(max(fast_sum(fast_grey(a.cell), a, g.m, 0).x, 0.0));
@@ -174,7 +175,7 @@ void fast_modes(Fibre f, Srbf light, float theta_o, float phi_o, out vec3 R,
 #endif
 }
 
-// --- global multiple scattering ---------------------------------------------
+// --- multiple scattering ---------------------------------------------
 // One mode, lobe: centre and width over theta_i.  The channels have their own
 // sigma2, but share the nodes of the mean one: masses are exact, shift and width
 // against it corrected to second order.
@@ -220,8 +221,8 @@ vec3 fast_wide_sum(FastCell c, FastAt a, FastWide g)
 }
 
 // M^G of eq 27 with psi_f of eq 5, R, TT, TRT; sigma2: square of psi_f's width.
-void fast_global(Fibre f, float theta_o, float theta_j, float across,
-                 vec3 sigma2, out vec3 R, out vec3 TT, out vec3 TRT)
+void fast_globals(Fibre f, float theta_o, float theta_j, float across,
+                  vec3 sigma2, out vec3 R, out vec3 TT, out vec3 TRT)
 {
     vec3 centre = 2.0 * f.alpha - theta_o, width = 2.82842712 * f.beta;
     const float half_slice = float(FAST_HALF) + 0.5;
@@ -241,16 +242,20 @@ void fast_global(Fibre f, float theta_o, float theta_j, float across,
 #endif
 }
 
-#ifdef WITH_MULTIPLE
-// As dual_modes, which see.
-void fast_multiple(Fibre f, DualView v, Srbf l, float phi_o, vec3 sigma_f,
-                   out vec3 MG, out vec3 ML, out vec3 MLd)
+// As dual_forward: what one crossing does to light from theta_j.
+void fast_forward(float theta_j, out vec3 a_f, out vec3 betabar2_f)
 {
-    float across = xu_across(phi_o - l.phi);
-    vec3 sigma2 = sigma_f * sigma_f, R, TT, TRT;
-    fast_global(f, v.theta_o, l.theta, across, sigma2, R, TT, TRT);
-    MG = R + TT + TRT;
-    ML = dual_back(v, l.theta, sigma2) * ((1.0 - across) * (1.0 / XU_PI));
-    MLd = dual_back_direct(v, l, cos(XU_PI * across));
+    float at = (theta_j * (1.0 / XU_PI) + 0.5) * float(FAST_WAYS);
+    int i = clamp(int(at), 0, int(FAST_WAYS) - 1);
+    uvec4 b = texelFetch(fast_cells, int(5u * FAST_CELLS) + i);
+    a_f = vec3(b.xyz >> 16) * (1.0 / 65535.0);
+    vec3 beta = vec3(b.xyz & 0xffffu) * (FAST_BETA / 65535.0);
+    betabar2_f = beta * beta;
 }
-#endif
+
+vec3 fast_global(Fibre f, float theta_o, float theta_j, float across, vec3 sigma2)
+{
+    vec3 R, TT, TRT;
+    fast_globals(f, theta_o, theta_j, across, sigma2, R, TT, TRT);
+    return R + TT + TRT;
+}

@@ -28,13 +28,13 @@ void main()
                     vec3(fibre[8], fibre[9], fibre[10]), fibre[11], fibre[12]);
     uint at = 8u * i;
     Srbf l = Srbf(cases[at + 1u], cases[at + 2u], cases[at]);
-    float theta_o = cases[at + 3u], phi_o = cases[at + 4u];
+    float theta_o = cases[at + 3u], across = xu_across(cases[at + 4u] - l.phi);
     vec3 sigma = vec3(cases[at + 5u], cases[at + 6u], cases[at + 7u]), r, tt, trt;
-    fast_modes(f, l, theta_o, phi_o, r, tt, trt);
+    fast_modes(f, l, theta_o, across, r, tt, trt);
     store(18u * i, r);
     store(18u * i + 3u, tt);
     store(18u * i + 6u, trt);
-    fast_global(f, theta_o, l.theta, xu_across(phi_o - l.phi), sigma * sigma, r, tt, trt);
+    fast_globals(f, theta_o, l.theta, across, sigma * sigma, r, tt, trt);
     store(18u * i + 9u, r);
     store(18u * i + 12u, tt);
     store(18u * i + 15u, trt);

@@ -23,19 +23,11 @@
 #ifdef WITH_MULTIPLE
 #include "dual.glsl"
 #endif
-#ifdef FAST
-#include "fast.glsl"
-#define SINGLE_MODES fast_modes
-#define MULTIPLE_MODES fast_multiple
-#else
 #ifdef XU_BEST
 #define SINGLE_MODES(f, l, theta_o, phi_o, r, tt, trt)                         \
     best_modes(f, best, l, theta_o, phi_o, r, tt, trt)
 #else
 #define SINGLE_MODES xu_modes
-#endif
-#define MULTIPLE_MODES(f, v, l, phi_o, sigma_f, g, l0, l1)                     \
-    dual_modes(f, v, l, phi_o, sigma_f, vec3(1.0), g, l0, l1)
 #endif
 
 #ifdef WITH_COLOUR
@@ -98,7 +90,7 @@ Fibre fibre_here()
 vec4 nodes_of(uint light, Place c, uint at)
 {
 #ifdef SHADOW_STORED
-    return shadow_unpack(nodes[light * nodes_stride + at]);
+    return shadow_unpack(texelFetch(nodes, int(light * nodes_stride + at)).xy);
 #else
     return shadow_unpack(shadow_nodes(light, c.p, c.u, c.segment, c.key));
 #endif
@@ -128,6 +120,9 @@ vec3 field(Place c, uint at)
 }
 #endif
 
+#ifdef FAST
+#include "shade_fast.glsl"
+#else
 #ifdef WITH_MULTIPLE
 // Light that was scattered on its way or is scattered back by the hair around.
 vec3 scattered(Fibre fibre, DualView view, Srbf light, float phi_o, vec4 g,
@@ -142,7 +137,8 @@ vec3 scattered(Fibre fibre, DualView view, Srbf light, float phi_o, vec4 g,
     vec3 sigma_f =
         sqrt(light.lambda * light.lambda + 8.0 * at.betabar2_f * crossed);
     vec3 global, local, near;
-    MULTIPLE_MODES(fibre, view, light, phi_o, sigma_f, global, local, near);
+    dual_modes(fibre, view, light, phi_o, sigma_f, vec3(1.0), global, local,
+               near);
     float clear = shadow_clear(g), glow = share.y * fibre_d_b;
     vec3 forward = fibre_d_f * omega * max(through - clear, 0.0);
     return clear * glow * near + forward * (share.x * global + glow * local);
@@ -181,6 +177,7 @@ vec3 shade(Place c, uint at, uint first, uint end)
     }
     return sum * colour_at(c.segment, c.along);
 }
+#endif
 
 // What is shown of a place: light from lights [first, end), or a view of what
 // it is made from (of all lights, whatever the range).  at: where its
@@ -197,6 +194,8 @@ vec3 shade_seen(Place c, uint at, uint first, uint end)
     uint h = strand_of[c.segment] * 0x9e3779b9u;
     h = (h ^ (h >> 15)) * 0x85ebca6bu;
     return vec3(uvec3(h, h >> 8, h >> 16) & 255u) / 255.0;
+#elif defined(FAST)
+    return shade_fast(c, at, first, end);
 #else
     return shade(c, at, first, end);
 #endif

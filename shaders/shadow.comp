@@ -6,6 +6,7 @@
 #include "cells.glsl"
 #include "shadow.glsl"
 #include "place.glsl"
+#define NODES_WRITTEN
 #include "nodes.glsl"
 #ifdef BY_PIXEL
 #include "fragment.glsl"

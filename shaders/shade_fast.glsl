@@ -1,0 +1,88 @@
+// shade_fast.glsl - shade.glsl's sum over lights, where tables light a place.
+#include "fast.glsl"
+
+struct FastPlace {
+    vec3 u, v; // along the fibre, across it towards the viewer: phi_o = 0
+    float theta_o;
+    Fibre fibre;
+};
+
+struct FastLight {
+    Srbf lobe; // phi is not used
+    float cos_j, cos_phi, across;
+};
+
+FastLight fast_light(FastPlace p, vec4 place)
+{
+    FastLight l;
+    float along = clamp(dot(place.xyz, p.u), -1.0, 1.0);
+    l.cos_j = sqrt(max(1.0 - along * along, 1e-12));
+    l.lobe = Srbf(special_asin(along), 0.0, place.w);
+    l.cos_phi = clamp(dot(place.xyz, p.v) / l.cos_j, -1.0, 1.0);
+    l.across = 0.5 - special_asin(l.cos_phi) * (1.0 / XU_PI);
+    return l;
+}
+
+#ifdef WITH_MULTIPLE
+// As dual_back_direct, with the mean of cos theta_i and of what the circular
+// Gaussian has more to second order and I_0 by a quotient (5e-3).
+vec3 fast_near(DualView v, FastLight l)
+{
+    float light2 = l.lobe.lambda * l.lobe.lambda;
+    float w2 = dot(v.width2, vec3(1.0 / 3.0)), part = light2 / (light2 + w2);
+    float x = (dot(v.centre, vec3(1.0 / 3.0)) - l.lobe.theta) * part;
+    float l2 = w2 * part, x2 = x * x;
+    float cos_i = special_cos(clamp(l.lobe.theta + x, -XU_HALF_PI, XU_HALF_PI));
+    float more = (x2 * (x2 + 3.0 * l2) + 0.75 * l2 * l2) / (12.0 * light2);
+    float lit = cos_i * (1.0 + min(more, 1.0)) * (1.0 - 0.25 * l2);
+    float k = 2.0 * cos_i * l.cos_j / light2;
+    float i0e = sqrt((1.0 + k * (0.50839 + 1.0023 * k)) /
+                     (1.0 + k * (2.81076 + k * (1.57011 + 6.29764 * k))));
+    return dual_back(v, l.lobe.theta, vec3(light2)) *
+           (3.5449077 * l.lobe.lambda * lit * i0e *
+            dual_half_share(k, i0e, l.cos_phi));
+}
+
+// As scattered() of shade.glsl.
+vec3 fast_scattered(FastPlace p, FastLight l, vec4 g, float omega, DualView view)
+{
+    vec3 a_f, betabar2_f;
+    fast_forward(l.lobe.theta, a_f, betabar2_f);
+    ShadowLaw law = shadow_law(g);
+    vec3 through = shadow_forward(law, a_f);
+    vec3 crossed = shadow_crossings(law, a_f);
+    vec3 sigma2 = l.lobe.lambda * l.lobe.lambda + 8.0 * betabar2_f * crossed;
+    vec3 global = fast_global(p.fibre, p.theta_o, l.lobe.theta, l.across, sigma2);
+    vec3 local = dual_back(view, l.lobe.theta, sigma2) *
+                 ((1.0 - l.across) * (1.0 / XU_PI)); // eq 30
+    vec3 near = fast_near(view, l);
+    float clear = shadow_clear(g), glow = share.y * fibre_d_b;
+    vec3 forward = fibre_d_f * omega * max(through - clear, 0.0);
+    return clear * glow * near + forward * (share.x * global + glow * local);
+}
+#endif
+
+vec3 shade_fast(Place c, uint at, uint first, uint end)
+{
+    vec3 to_eye = normalize(eye.xyz - c.p);
+    FastPlace p = FastPlace(c.u, across_of(c, to_eye), 0.0, fibre_here());
+    p.theta_o = special_asin(clamp(dot(to_eye, c.u), -1.0, 1.0));
+#ifdef WITH_MULTIPLE
+    DualView view = dual_view(p.theta_o);
+#endif
+    vec3 sum = vec3(0.0);
+    for (uint j = first; j < end; j++) {
+        FastLight l = fast_light(p, lights[j].place);
+        vec4 g = nodes_of(j, c, at);
+        vec3 r, tt, trt, seen = vec3(0.0);
+#ifdef WITH_SINGLE
+        fast_modes(p.fibre, l.lobe, p.theta_o, l.across, r, tt, trt);
+        seen = shadow_clear(g) * (mask.x * r + mask.y * tt + mask.z * trt);
+#endif
+#ifdef WITH_MULTIPLE
+        seen += fast_scattered(p, l, g, lights[j].radiance.w, view);
+#endif
+        sum += lights[j].radiance.rgb * seen;
+    }
+    return sum * colour_at(c.segment, c.along);
+}
