@@ -39,15 +39,19 @@ static void fill(struct job *j, enum vectors_region region, uint64_t *state)
         j->c[k].phi_o = c.phi_o;
         double s = j->sigma_f[k] = vectors_widened(&j->c[k], state);
         double l2 = c.lambda_j * c.lambda_j, more = s * s - l2;
-        // Dark channels are crossed less often by what is left of them.
+        // Dark channels are crossed less often by what is left of them: little
+        // less in hair that is in use.
+        bool usual = region == VECTORS_TYPICAL;
+        if (usual)
+            s = j->sigma_f[k] = sqrt(l2 + (more = fmin(more, 0.3)));
         const double v[IN] = {c.lambda_j,
                               c.theta_j,
                               c.phi_j,
                               c.theta_o,
                               c.phi_o,
                               s,
-                              sqrt(l2 + 0.8 * more),
-                              sqrt(l2 + 0.5 * more)};
+                              sqrt(l2 + (usual ? 0.9 : 0.8) * more),
+                              sqrt(l2 + (usual ? 0.8 : 0.5) * more)};
         for (int i = 0; i < IN; i++)
             j->in[IN * k + i] = (float)v[i];
     }
@@ -59,7 +63,9 @@ static struct dual_fibre fibre_of(const struct exact_case *c, bool grey)
     struct dual_fibre f = {
         .eta = c->eta, .a = c->a, .w_c = c->w_c, .delta_eta = c->delta_eta};
     for (int k = 0; k < 3; k++) {
-        f.sigma_a[k] = fmin(c->sigma_a * more[k], 1000);
+        // Typical hair stays typical in its darkest channel.
+        f.sigma_a[k] =
+            fmin(c->sigma_a * more[k], c->sigma_a > 1.2 ? 1000 : 1.2);
         f.alpha[k] = c->alpha[k];
         f.beta[k] = c->beta[k];
     }
