@@ -44,7 +44,8 @@ void fibre_spec_of(const struct params *p, enum fibre_model model,
                    struct fibre_spec *out);
 
 struct fibre;
-// Never NULL.  Some 50 ms; up to a second for the narrowest w_c.
+// Never NULL.  A tenth of a second of processor time, spread over the cores; a
+// few seconds for the narrowest w_c.
 struct fibre *fibre_create(const struct fibre_spec *s);
 void fibre_destroy(struct fibre *f); // NULL is allowed
 const struct fibre_spec *fibre_spec(const struct fibre *f);

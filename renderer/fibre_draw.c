@@ -72,8 +72,10 @@ static void albedo_row(void *context, size_t i)
 void fibre_draw_make(struct fibre *f)
 {
     const double w = f->spec.w_c;
-    f->bins = (int)fmin(fmax(ceil(4 * pi / w), 256), 1024);
-    f->draw_rows = 1 + (int)fmin(fmax(ceil(2 * pi / w), 32), 128);
+    // an elliptic fibre's TRT is a mean over its turns, which are broad
+    const bool round = f->spec.a == 1;
+    f->bins = (int)fmin(fmax(ceil(4 * pi / w), 256), round ? 1024 : 256);
+    f->draw_rows = 1 + (int)fmin(fmax(ceil(2 * pi / w), 32), round ? 128 : 32);
     const size_t size =
         (size_t)FIBRE_MODES * (size_t)f->draw_rows * (size_t)f->bins;
     f->density = bytes_alloc(size * sizeof *f->density);

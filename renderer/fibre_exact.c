@@ -8,7 +8,7 @@
 #include "renderer/fibre_private.h"
 
 static const double pi = 3.14159265358979323846;
-#define REACH 5.5 // Xu widths at which the smoothing lobe is below e^-30
+#define REACH 4.8 // Xu widths at which the smoothing lobe is below 1e-10
 
 // h = -sin(phi/2): one root for every phi.
 void fibre_exact_r(const struct fibre_section *s, double phi, double n[3])
@@ -154,8 +154,8 @@ void fibre_exact_row(const struct fibre_section *s, int columns, double *row)
 {
     const double w = s->spec->w_c, kappa = 2 / (w * w);
     memset(row, 0, 3 * ((size_t)columns + 1) * sizeof *row);
-    // |dphi/dgamma| <= 2: a panel covers at most a width of the lobe
-    const int panels = 16 + (int)(pi / w);
+    // |dphi/dgamma| <= 2: a panel covers at most two widths of the lobe
+    const int panels = 16 + (int)(pi / (2 * w));
     const double half = pi / 4 / panels, norm = kernel_norm(kappa) / 2;
     for (int i = 0; i < 8 * panels; i++) {
         const int k = i % 8;
