@@ -2,7 +2,7 @@
 // place: light scattered once with and without shadows, split into its causes,
 // and all light against path tracing, for four colours of hair.
 // Usage: bench_reference [hair=builtin:animation] [env=builtin:studio]
-//        [places=300] [paths=256] [GROUP.NAME=VALUE ...]
+//        [places=300] [paths=256] [only=blond] [GROUP.NAME=VALUE ...]
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,7 +18,7 @@
 enum { SPLIT = 60 };
 
 struct bench {
-    const char *hair, *env;
+    const char *hair, *env, *only;
     int places, paths;
     struct params p;
     struct renderer *r;
@@ -194,6 +194,8 @@ static void parse(struct bench *b, int argc, char **argv)
             b->hair = value;
         else if (strncmp(argv[i], "env=", 4) == 0)
             b->env = value;
+        else if (strncmp(argv[i], "only=", 5) == 0)
+            b->only = value;
         else if (strncmp(argv[i], "places=", 7) == 0)
             b->places = atoi(value);
         else if (strncmp(argv[i], "paths=", 6) == 0)
@@ -234,6 +236,8 @@ int main(int argc, char **argv)
     struct sky_map *m = sky_open(b.env, &err);
     must(m != NULL && renderer_set_sky(b.r, m, &err), &err);
     for (size_t k = 0; k < sizeof colours / sizeof colours[0]; k++) {
+        if (b.only && strcmp(b.only, colours[k][0]) != 0)
+            continue;
         printf("%s hair (%s)\n", colours[k][0], colours[k][1]);
         set(&b.p, colours[k][1]);
         once(&b, k == 2);
