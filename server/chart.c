@@ -144,10 +144,11 @@ static void bar(struct buf *out, const struct axis *y, double x,
     if (!(p->low > 0 && p->high >= p->low && isfinite(p->high)))
         return;
     const double low = fmin(put(y, p->low), CHART_BOTTOM);
+    const double high = fmax(put(y, p->high), CHART_TOP);
     buf_printf(out,
                "<path d=\"M%.1f %.1fV%.1f\" stroke=\"%s\" "
                "stroke-opacity=\"0.45\" fill=\"none\"/>\n",
-               x, low, put(y, p->high), colours[p->group % CHART_GROUPS_MAX]);
+               x, low, high, colours[p->group % CHART_GROUPS_MAX]);
 }
 
 // The border of what is reached: down a step at each point of the front.

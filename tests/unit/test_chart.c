@@ -116,6 +116,14 @@ static void labels(void)
     CHECK(count(svg, "<text") == count(svg, "</text>"));
     CHECK(count(svg, "<svg") == 1 && count(svg, "</svg>") == 1);
     CHECK(!strstr(svg, "nan") && !strstr(svg, "inf"));
+    check_case("an interval's bar ends at the frame");
+    points[0] = (struct chart_point){
+        .x = 1, .y = 1, .low = 1e-9, .high = 1e9, .label = "wide"};
+    struct chart wide = {.point = points, .count = 1};
+    buf_clear(&out);
+    chart_svg(&wide, &out);
+    buf_byte(&out, 0);
+    CHECK(strstr((const char *)out.data, " 572.0V48.0\""));
     check_case("no point, and points that cannot be drawn");
     draw(0, 1, &out);
     CHECK(count((const char *)out.data, "class=\"label\"") == 0);
