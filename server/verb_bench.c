@@ -202,11 +202,11 @@ static void defaults(struct bench *b)
 {
     const bool q = b->quick;
     b->runs = b->runs ? b->runs : 10;
-    b->seconds = b->seconds >= 0 ? b->seconds : q ? 4 : 15;
+    b->seconds = b->seconds >= 0 ? b->seconds : q ? 3 : 8;
     b->places = b->places ? b->places : q ? 200 : 500;
-    b->exact = b->exact >= 0 ? b->exact : q ? 40 : 120;
-    b->paths = b->paths ? b->paths : q ? 64 : 256;
-    b->picture_paths = b->picture_paths ? b->picture_paths : q ? 8 : 32;
+    b->exact = b->exact >= 0 ? b->exact : q ? 30 : 60;
+    b->paths = b->paths ? b->paths : q ? 64 : 128;
+    b->picture_paths = b->picture_paths ? b->picture_paths : q ? 4 : 16;
     b->picture_samples = b->picture_samples ? b->picture_samples : q ? 4 : 16;
     b->options.params.quality.samples = 1; // the first full frame
     if (!b->refined)
@@ -233,8 +233,8 @@ int verb_bench_run(int argc, char **argv)
         {"runs", OPTIONS_INT, &b->runs, 1, BENCH_RUNS_MAX, "N",
          "edits that are timed of each kind (10)"},
         {"seconds", OPTIONS_REAL, &b->seconds, 0, 3600, "S",
-         "after so many no more than 3 edits of a kind; 0 for ever (15, quick "
-         "4)"},
+         "after so many no more than 3 edits of a kind; 0 for ever (8, quick "
+         "3)"},
         {"refined", OPTIONS_FLAG, &b->refined, 0, 0, NULL,
          "everything with shadow.rays as it is set: the picture at rest, not "
          "the first"},
@@ -243,11 +243,11 @@ int verb_bench_run(int argc, char **argv)
         {"places", OPTIONS_INT, &b->places, 2, 20000, "N",
          "visible places at which errors are measured (500, quick 200)"},
         {"exact", OPTIONS_INT, &b->exact, 0, 20000, "N",
-         "of these, places at which causes are separated (120, quick 40)"},
+         "of these, places at which causes are separated (60, quick 30)"},
         {"paths", OPTIONS_INT, &b->paths, 2, 1000000, "N",
-         "paths of the reference for each place (256, quick 64)"},
+         "paths of the reference for each place (128, quick 64)"},
         {"picture-paths", OPTIONS_INT, &b->picture_paths, 1, 65536, "N",
-         "paths for each pixel of the reference picture (32, quick 8)"},
+         "paths for each pixel of the reference picture (16, quick 4)"},
         {"picture-samples", OPTIONS_INT, &b->picture_samples, 1, 4096, "N",
          "samples of pictures that are compared with it (16, quick 4)"},
         {"no-cache", OPTIONS_FLAG, &b->no_cache, 0, 0, NULL,
