@@ -1,7 +1,8 @@
 // verb_probe.c - `glintd probe`: single integrals for whoever wants to check
 // them.  Reads lines of numbers and prints what the renderer's shaders and
 // tables (or the brute-force reference) make of each.  The integrals live in
-// renderer/{probe,probe_dual,exact,exact_dual}.c, the lines in probe_line.c.
+// renderer/{probe,probe_dual,probe_fast,exact,exact_dual}.c, the lines in
+// probe_line.c.
 #include "server/verbs.h"
 
 #include <pthread.h>
@@ -15,13 +16,15 @@
 #include "renderer/egl.h"
 #include "renderer/exact_dual.h"
 #include "renderer/probe_dual.h"
+#include "renderer/probe_fast.h"
 #include "server/options.h"
 #include "server/probe_line.h"
 
 enum { LINE_MAX_BYTES = 4096, SLOW_BATCH = 128, OUTPUTS_MAX = 9, FIBRE = 9 };
 
-enum scheme { SCHEME_BEST, SCHEME_PAPER, SCHEME_EXACT, SCHEMES };
-static const char *const scheme_names[SCHEMES] = {"best", "paper", "exact"};
+enum scheme { SCHEME_BEST, SCHEME_PAPER, SCHEME_EXACT, SCHEME_FAST, SCHEMES };
+static const char *const scheme_names[SCHEMES] = {"best", "paper", "exact",
+                                                  "fast"};
 static const char *const form_names[PROBE_LINE_FORMS] = {"single", "fibre",
                                                          "half", "multiple"};
 static const int outputs[PROBE_LINE_FORMS] = {3, 9, 3, 4};
@@ -32,6 +35,7 @@ struct batch {
     struct egl *egl;
     struct probe *single;
     struct probe_dual *dual;
+    struct probe_fast *fast;
     double delta_eta;
     size_t count, limit;
     double value[PROBE_BATCH][PROBE_LINE_MAX];
@@ -148,6 +152,17 @@ static void run_exact(const struct batch *b)
 }
 
 // --- the renderer -----------------------------------------------------------
+static struct dual_fibre fibre_of(const struct exact_case *c)
+{
+    return (struct dual_fibre){.eta = c->eta,
+                               .sigma_a = {c->sigma_a, c->sigma_a, c->sigma_a},
+                               .a = c->a,
+                               .alpha = {c->alpha[0], c->alpha[1], c->alpha[2]},
+                               .beta = {c->beta[0], c->beta[1], c->beta[2]},
+                               .w_c = c->w_c,
+                               .delta_eta = c->delta_eta};
+}
+
 static bool run_single(struct batch *b, struct error *err)
 {
     static float cases[PROBE_BATCH * PROBE_INPUTS];
@@ -161,6 +176,42 @@ static bool run_single(struct batch *b, struct error *err)
                                   (double)results[3 * i + 1],
                                   (double)results[3 * i + 2]},
                       3);
+    return true;
+}
+
+// Line i from tables, or where these refuse its fibre by `best`, as a picture
+// is lit.
+static bool run_fast_line(struct batch *b, size_t i, float out[3],
+                          struct error *err)
+{
+    const double *v = b->value[i];
+    float in[PROBE_INPUTS], all[PROBE_FAST_OUTPUTS];
+    struct exact_case c = case_of(b, i);
+    struct dual_fibre f = fibre_of(&c);
+    for (int k = 0; k < PROBE_INPUTS; k++)
+        in[k] = (float)v[k];
+    if (fast_tables_refuse(&f))
+        return probe_run(b->single, in, 1, out, err);
+    if (i == 0 || !same_fibre(b, i - 1, i) || v[9] != b->value[i - 1][9])
+        probe_fast_fibre(b->fast, &f);
+    float light[PROBE_FAST_INPUTS] = {in[10], in[11], in[12], in[13],
+                                      in[14], 1,      1,      1};
+    if (!probe_fast_run(b->fast, light, 1, all, err))
+        return false;
+    for (int t = 0; t < 3; t++)
+        out[t] = all[3 * t];
+    return true;
+}
+
+static bool run_fast(struct batch *b, struct error *err)
+{
+    for (size_t i = 0; i < b->count; i++) {
+        float out[3];
+        if (!run_fast_line(b, i, out, err))
+            return false;
+        print_numbers(
+            (double[3]){(double)out[0], (double)out[1], (double)out[2]}, 3);
+    }
     return true;
 }
 
@@ -208,14 +259,7 @@ static bool run_dual(struct batch *b, struct dual_tables *means,
 {
     for (size_t i = 0, end; i < b->count; i = end) {
         struct exact_case c = case_of(b, i);
-        const struct dual_fibre f = {
-            .eta = c.eta,
-            .sigma_a = {c.sigma_a, c.sigma_a, c.sigma_a},
-            .a = c.a,
-            .alpha = {c.alpha[0], c.alpha[1], c.alpha[2]},
-            .beta = {c.beta[0], c.beta[1], c.beta[2]},
-            .w_c = c.w_c,
-            .delta_eta = c.delta_eta};
+        const struct dual_fibre f = fibre_of(&c);
         for (end = i + 1; end < b->count && same_fibre(b, i, end);)
             end++;
         if (means) {
@@ -243,6 +287,8 @@ static bool run_batch(struct batch *b, struct error *err)
         struct dual_tables *means = dual_tables_create();
         ok = run_dual(b, means, err);
         dual_tables_destroy(means);
+    } else if (b->scheme == SCHEME_FAST) {
+        ok = run_fast(b, err);
     } else if (b->count > 0) {
         ok = b->form == PROBE_LINE_SINGLE ? run_single(b, err)
                                           : run_dual(b, NULL, err);
@@ -299,8 +345,12 @@ static bool run(struct batch *b, const struct probe_setup *setup,
             setup,
             b->scheme == SCHEME_PAPER ? DUAL_SCHEME_PAPER : DUAL_SCHEME_BEST,
             err);
-    bool ok = (b->single || b->dual) && run_input(b, err);
+    if (b->scheme == SCHEME_FAST)
+        b->fast = probe_fast_create(err);
+    bool ok = (b->single || b->dual) && (b->fast || b->scheme != SCHEME_FAST) &&
+              run_input(b, err);
     probe_destroy(b->single);
+    probe_fast_destroy(b->fast);
     probe_dual_destroy(b->dual);
     egl_destroy(b->egl);
     return ok;
@@ -339,9 +389,16 @@ static bool choose_all(struct batch *b, const char *what, const char *scheme,
     int layout = chosen < 0 ? -1 : choose("nodes", nodes, layouts, 2);
     if (layout < 0)
         return false;
+    if (chosen == SCHEME_FAST && form != PROBE_LINE_SINGLE) {
+        struct error err;
+        error_set(&err, "range", "scheme",
+                  "--scheme: fast has no --what %s, only single", what);
+        options_fail(&err);
+        return false;
+    }
     b->form = (enum probe_line_form)form;
     b->scheme = (enum scheme)chosen;
-    setup->best = b->scheme == SCHEME_BEST;
+    setup->best = b->scheme == SCHEME_BEST || b->scheme == SCHEME_FAST;
     b->limit = b->scheme == SCHEME_EXACT ? SLOW_BATCH : PROBE_BATCH;
     b->delta_eta = setup->delta_eta =
         params_find("fibre.delta_eta", 15)->def[0];
@@ -360,9 +417,10 @@ int verb_probe_run(int argc, char **argv)
          "alphabar_b betabar2_f betabar2_b A_b Delta_b sigma_b; half, for "
          "theta_i Phi: NG_R NG_TT NG_TRT; multiple, for sigma_f: MG_R MG_TT "
          "MG_TRT ML"},
-        {"scheme", OPTIONS_TEXT, &scheme, 0, 0, "best|paper|exact",
+        {"scheme", OPTIONS_TEXT, &scheme, 0, 0, "best|paper|exact|fast",
          "the renderer's tables and shaders, or brute force in double "
-         "precision; single: paper (default) or exact, else best (default)"},
+         "precision; single: paper is the default, fast as render.path=table "
+         "lights a place; else best"},
         {"m", OPTIONS_INT, &setup.m, 2, 256, "N",
          "segments of the outer integral (Xu 2011, section 4.2.2)"},
         {"nodes", OPTIONS_TEXT, &nodes, 0, 0, "paper|fine",

@@ -80,10 +80,10 @@ FastAt fast_at(float theta_d, float l, float across)
 }
 
 // Moments of what multiplies the table, over three Gauss-Hermite nodes at
-// -1.22, 0 and 1.22 widths from the place that the cell is taken at: weight,
-// times steps in d and l and their products.
+// -1.22, 0 and 1.22 widths of the product: weight, and weight times products of
+// the nodes' distances, in cells, from their mean, where the table is read.
 struct FastMoments {
-    vec3 whole, d, l, dd, dl, ll; // of R, TT, TRT
+    vec3 whole, dd, dl, ll; // of R, TT, TRT
 };
 const float FAST_NODE = 1.22474487, FAST_MIDDLE = 2.0 / 3.0, FAST_SIDE = 1.0 / 6.0;
 
@@ -93,10 +93,9 @@ vec3 fast_sum(FastCell c, FastAt a, FastMoments m, int mode)
     float ql = c.dl * a.d + 2.0 * c.ll * a.l + c.lp * a.p;
     float qp = c.dp * a.d + c.lp * a.l + 2.0 * c.pp * a.p;
     float q = 1.0 + 0.5 * (qd * a.d + ql * a.l + qp * a.p);
-    float w = m.whole[mode], d = m.d[mode], l = m.l[mode];
-    return c.c * (w * q + d * qd + l * ql + m.dd[mode] * c.dd +
-                  m.dl[mode] * c.dl + m.ll[mode] * c.ll) +
-           c.d * (w * a.d + d) + c.l * (w * a.l + l) + c.p * (w * a.p);
+    float bend = m.dd[mode] * c.dd + m.dl[mode] * c.dl + m.ll[mode] * c.ll;
+    return c.c * (m.whole[mode] * q + bend) +
+           m.whole[mode] * (c.d * a.d + c.l * a.l + c.p * a.p);
 }
 
 // --- single scattering ------------------------------------------------------
@@ -146,16 +145,15 @@ FastLong fast_long(Fibre f, Srbf light, float theta_o)
     vec3 front = FAST_PER_LOG * (c1 - c2) / (c1 + c2);
     // narrower than the tables: as much less light
     mass *= min(sqrt(lambda2) * (1.0 / FAST_LEAST), 1.0);
-    g.theta_d = 0.5 * (theta_o - mu);
-    g.l = clamp(at, 0.0, FAST_L - 1e-4);
+    vec3 la = a * back, lc = c * front, sum = a + b + c;
+    vec3 per = 1.0 / max(sum, 1e-20), mean = (c - a) * per, l = (la + lc) * per;
+    g.theta_d = 0.5 * (theta_o - mu - mean * step);
+    g.l = clamp(at + l, 0.0, FAST_L - 1e-4);
     vec3 move = (-0.5 * FAST_PER_D) * step * sign(g.theta_d);
-    vec3 la = a * back, lc = c * front;
-    g.m.whole = mass * (a + b + c);
-    g.m.d = mass * move * (c - a);
-    g.m.l = mass * (la + lc);
-    g.m.dd = mass * move * move * (a + c);
-    g.m.dl = mass * move * (lc - la);
-    g.m.ll = mass * (la * back + lc * front);
+    g.m.whole = mass * sum;
+    g.m.dd = mass * move * move * (a + c - mean * mean * sum);
+    g.m.dl = mass * move * (lc - la - mean * l * sum);
+    g.m.ll = mass * (la * back + lc * front - l * l * sum);
     return g;
 }
 

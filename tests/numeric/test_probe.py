@@ -54,6 +54,20 @@ def test_options():
     assert abs(many[0] - four[0]) > 1e-6 * four[0], (many, four)
 
 
+def test_fast():
+    """From tables; where these do not hold, as `best`.  The order of lines and
+    their neighbours change nothing."""
+    near(values(line(), "--scheme", "fast")[0], EXACT, 0.02)  # 4e-3 measured
+    lines = [line(), line(a=1.1), line(theta_o=0.2), line(w_c=0.05), line(eta=1.5),
+             line()]
+    got = values("".join(lines), "--scheme", "fast")
+    best = values("".join(lines), "--scheme", "best")
+    assert got[1] == best[1] and got[3] == best[3] and got[0] != best[0]
+    assert got[0] == got[5] and got[2] != got[0]
+    code, out, err = probe("", "--scheme", "fast", "--what", "half")
+    assert code == 2 and out == "" and "single" in err, (code, out, err)
+
+
 def test_comments():
     text = "# eta ...\n\n" + line() + "   \t\n  # again\n" + line(a=1.1) + "\n"
     got = values(text)
@@ -121,7 +135,7 @@ def test_limits_are_legal():
                    {"w_c": 0.008726}, {"alpha_R": -0.5236}, {"sigma_a": 1000},
                    {"lambda_j": 0.001}, {"phi_o": 6.2832}, {"eta": 1.05},
                    {"a": 0.71}, {"a": 1.41}, {"eta": "3."}, {"w_c": ".2"}):
-        for scheme in ("paper", "best", "exact"):
+        for scheme in ("paper", "best", "exact", "fast"):
             row = values(line(**change), "--scheme", scheme)[0]
             assert all(math.isfinite(x) and x >= 0 for x in row), change
 
