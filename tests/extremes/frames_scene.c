@@ -191,6 +191,8 @@ void frames_adapt(struct params *p, int hair, int sky)
     }
     if (hair == NEEDLE)
         p->hair.diameter = 0.1f;
+    if (hair == TWO_POINTS) // as wide as a pixel: two samples may miss less
+        p->hair.diameter = 4;
     if (hair == CAMERA_INSIDE) {
         memcpy(p->camera.eye, (float[3]){11, 0, 0}, 12);
         memcpy(p->camera.target, (float[3]){12, 3, 1}, 12);
