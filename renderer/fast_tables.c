@@ -25,16 +25,19 @@ enum {
 };
 
 enum { COEFFICIENTS, FACTORS, COSINES, VALUES, CELLS, BUFFERS };
-// Those that the shading binds anew in any case.
-static const unsigned binding[BUFFERS] = {0, 1, 2, 3, 15};
+// What the passes write is bound as storage, 0 and 15, which the shading binds
+// anew in any case; what they read is texels, here from 17 on.
+enum { VALUES_BINDING = 0, CELLS_BINDING = 15, FIRST_UNIT = 17 };
+static const unsigned format[BUFFERS] = {GL_RGBA32F, GL_R32F, GL_RGBA32F,
+                                         GL_RGBA32F, GL_RGBA32UI};
 
 struct fast_tables {
     float coefficient[D * TERMS][8]; // [theta_d][n]: TT, R; TRT, 0
     uint32_t way[WAYS][4]; // [theta_j]: a_f and betabar_f, 16 bits each
     int terms;
     bool stale, ways_stale;
-    unsigned buffer[BUFFERS], texture; // 0 until bound for the first time
-    unsigned values, pack;             // programs
+    unsigned buffer[BUFFERS], texture[BUFFERS]; // 0 until bound for once
+    unsigned values, pack;                      // programs
 };
 
 const char *fast_tables_refuse(const struct dual_fibre *f)
@@ -172,9 +175,10 @@ static bool create_objects(struct fast_tables *t, struct error *err)
         make((size_t)FAST_TABLES_CELLS * VALUE_BYTES, NULL, "fast values");
     b[CELLS] = make((size_t)FAST_TABLES_CELLS * CELL_BYTES + sizeof t->way,
                     NULL, "fast cells");
-    gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &t->texture);
-    gl.TextureBuffer(t->texture, GL_RGBA32UI, b[CELLS]);
-    gl.ObjectLabel(GL_TEXTURE, t->texture, -1, "fast cells");
+    gl.CreateTextures(GL_TEXTURE_BUFFER, BUFFERS, t->texture);
+    for (int i = 0; i < BUFFERS; i++)
+        gl.TextureBuffer(t->texture[i], format[i], b[i]);
+    gl.ObjectLabel(GL_TEXTURE, t->texture[CELLS], -1, "fast cells");
     return gl_check("making tables of the fibre", err);
 }
 
@@ -184,21 +188,24 @@ static void fill(struct fast_tables *t)
         t->buffer[COEFFICIENTS], 0,
         (GLsizeiptr)(D * (size_t)t->terms * sizeof t->coefficient[0]),
         t->coefficient);
-    for (unsigned i = 0; i < BUFFERS; i++)
-        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding[i], t->buffer[i]);
+    for (unsigned i = 0; i < CELLS; i++)
+        gl.BindTextureUnit(FIRST_UNIT + i, t->texture[i]);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, VALUES_BINDING,
+                      t->buffer[VALUES]);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, CELLS_BINDING,
+                      t->buffer[CELLS]);
     gl.UseProgram(t->values);
     gl.ProgramUniform1ui(t->values, TERMS_LOCATION, (GLuint)t->terms);
     gl_dispatch(FAST_TABLES_CELLS / 4);
-    gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     gl.UseProgram(t->pack);
     gl_dispatch(FAST_TABLES_CELLS);
-    gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT |
-                     GL_TEXTURE_FETCH_BARRIER_BIT);
+    gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
 bool fast_tables_bind(struct fast_tables *t, struct error *err)
 {
-    if (!t->texture && !create_objects(t, err))
+    if (!t->texture[0] && !create_objects(t, err))
         return false;
     if (t->stale) {
         fill(t);
@@ -210,13 +217,14 @@ bool fast_tables_bind(struct fast_tables *t, struct error *err)
                               sizeof t->way, t->way);
         t->ways_stale = false;
     }
-    gl.BindTextureUnit(FAST_TABLES_UNIT, t->texture);
+    gl.BindTextureUnit(FAST_TABLES_UNIT, t->texture[CELLS]);
     return true;
 }
 
 unsigned fast_tables_bytes(const struct fast_tables *t)
 {
-    return t && t->texture ? FAST_TABLES_CELLS * (CELL_BYTES + VALUE_BYTES) : 0;
+    return t && t->texture[0] ? FAST_TABLES_CELLS * (CELL_BYTES + VALUE_BYTES)
+                              : 0;
 }
 
 void fast_tables_destroy(struct fast_tables *t)
@@ -225,8 +233,8 @@ void fast_tables_destroy(struct fast_tables *t)
         return;
     if (t->buffer[0])
         gl.DeleteBuffers(BUFFERS, t->buffer);
-    if (t->texture)
-        gl.DeleteTextures(1, &t->texture);
+    if (t->texture[0])
+        gl.DeleteTextures(BUFFERS, t->texture);
     gl.DeleteProgram(t->values);
     gl.DeleteProgram(t->pack);
     free(t);

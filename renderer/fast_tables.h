@@ -49,7 +49,7 @@ void fast_tables_forward(struct fast_tables *t, const struct dual_tables *dual);
 void fast_tables_bessel(double kappa, int count, double *out);
 
 // Makes the cells when the last update is not in them yet, binds the unit.
-// Storage buffers 0 to 3 and 15 are to be bound anew afterwards.
+// Storage buffers 0 and 15 and units 17 to 20 are to be bound anew afterwards.
 // Thread: render.
 bool fast_tables_bind(struct fast_tables *t, struct error *err);
 

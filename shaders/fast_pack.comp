@@ -3,7 +3,7 @@
 // neighbours, packed as fast.glsl reads them.
 #include "fast_size.glsl"
 layout(local_size_x = 64) in;
-layout(std430, binding = 3) readonly buffer Values { vec4 value[]; };
+layout(binding = 20) uniform samplerBuffer value;
 layout(std430, binding = 15) writeonly buffer Cells { uvec4 cells[]; };
 const ivec3 SIZE = ivec3(FAST_D, FAST_L, FAST_P);
 
@@ -14,7 +14,7 @@ struct Pair {
 Pair at(ivec3 i)
 {
     int n = 2 * ((i.y * SIZE.x + i.x) * SIZE.z + i.z);
-    return Pair(value[n], value[n + 1]);
+    return Pair(texelFetch(value, n), texelFetch(value, n + 1));
 }
 
 // First and half the second difference along an axis.  The tables go on by

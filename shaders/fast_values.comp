@@ -4,10 +4,10 @@
 // by those of its circular Gaussian.  Four Phi an invocation.
 #include "fast_size.glsl"
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) readonly buffer Coefficients { vec4 coefficient[]; };
-layout(std430, binding = 1) readonly buffer Factors { float factor[]; };
-layout(std430, binding = 2) readonly buffer Cosines { vec4 cosine[]; };
-layout(std430, binding = 3) writeonly buffer Values { vec4 value[]; };
+layout(binding = 17) uniform samplerBuffer coefficient;
+layout(binding = 18) uniform samplerBuffer factor;
+layout(binding = 19) uniform samplerBuffer cosine;
+layout(std430, binding = 0) writeonly buffer Values { vec4 value[]; };
 layout(location = 0) uniform uint terms; // of the fibre's series
 const uint QUADS = uint(FAST_P) / 4u, D = uint(FAST_D);
 const uint FACTORS = 64u; // a slice's: their number comes after them
@@ -19,12 +19,13 @@ void main()
         return;
     uint quad = i % QUADS, d = i / QUADS % D, slice = i / (QUADS * D);
     uint from = slice * (FACTORS + 1u);
-    uint end = min(terms, uint(factor[from + FACTORS]));
+    uint end = min(terms, uint(texelFetch(factor, int(from + FACTORS)).x));
     vec4 r = vec4(0.0), tt0 = r, tt1 = r, tt2 = r, trt0 = r, trt1 = r, trt2 = r;
     for (uint n = 0u; n < end; n++) {
-        vec4 a = coefficient[2u * (d * terms + n)];
-        vec4 b = coefficient[2u * (d * terms + n) + 1u];
-        vec4 c = factor[from + n] * cosine[n * QUADS + quad];
+        vec4 a = texelFetch(coefficient, int(2u * (d * terms + n)));
+        vec4 b = texelFetch(coefficient, int(2u * (d * terms + n) + 1u));
+        vec4 c = texelFetch(factor, int(from + n)).x *
+                 texelFetch(cosine, int(n * QUADS + quad));
         tt0 += a.x * c;
         tt1 += a.y * c;
         tt2 += a.z * c;
