@@ -140,6 +140,22 @@ static void edit_eccentric_paper(struct params *p, int k)
     p->render.multiple = p->render.scheme = 0;
 }
 
+static void edit_sigma_table(struct params *p, int k)
+{
+    p->render.path = 2;
+    edit_sigma(p, k);
+}
+static void edit_beta_table(struct params *p, int k)
+{
+    p->render.path = 2;
+    edit_beta(p, k);
+}
+static void edit_tint_table(struct params *p, int k)
+{
+    p->render.path = 2;
+    edit_tint(p, k);
+}
+
 static const struct edit {
     const char *name;
     edit_fn *run;
@@ -154,6 +170,9 @@ static const struct edit {
     {"sigma_a > 20 (TT, TRT left out)", edit_opaque},
     {"sigma_a, light_bound = 0 (no light left out)", edit_all_lights},
     {"sigma_a, light_bound = 0.02", edit_few_lights},
+    {"sigma_a, path = table", edit_sigma_table},
+    {"beta_r, path = table", edit_beta_table},
+    {"light colour, path = table", edit_tint_table},
     {"sigma_a, scheme paper", edit_paper},
     {"sigma_a, scheme best", edit_best},
     {"sigma_a, scheme paper, multiple off", edit_single_paper},
