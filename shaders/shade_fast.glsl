@@ -5,6 +5,8 @@ struct FastPlace {
     vec3 u, v; // along the fibre, across it towards the viewer: phi_o = 0
     float theta_o;
     Fibre fibre;
+    vec3 shown;                  // of R, TT, TRT
+    float global, glow, forward; // share.x, that of S_back, d_f
 };
 
 struct FastLight {
@@ -56,16 +58,18 @@ vec3 fast_scattered(FastPlace p, FastLight l, vec4 g, float omega, DualView view
     vec3 local = dual_back(view, l.lobe.theta, sigma2) *
                  ((1.0 - l.across) * (1.0 / XU_PI)); // eq 30
     vec3 near = fast_near(view, l);
-    float clear = shadow_clear(g), glow = share.y * fibre_d_b;
-    vec3 forward = fibre_d_f * omega * max(through - clear, 0.0);
-    return clear * glow * near + forward * (share.x * global + glow * local);
+    float clear = shadow_clear(g);
+    vec3 forward = p.forward * omega * max(through - clear, 0.0);
+    return clear * p.glow * near + forward * (p.global * global + p.glow * local);
 }
 #endif
 
 vec3 shade_fast(Place c, uint at, uint first, uint end)
 {
     vec3 to_eye = normalize(eye.xyz - c.p);
-    FastPlace p = FastPlace(c.u, across_of(c, to_eye), 0.0, fibre_here());
+    // a copy: a value of a block costs more than a multiplication in the loop
+    FastPlace p = FastPlace(c.u, across_of(c, to_eye), 0.0, fibre_here(),
+                            mask.xyz, share.x, share.y * fibre_d_b, fibre_d_f);
     p.theta_o = special_asin(clamp(dot(to_eye, c.u), -1.0, 1.0));
 #ifdef WITH_MULTIPLE
     DualView view = dual_view(p.theta_o);
@@ -77,7 +81,7 @@ vec3 shade_fast(Place c, uint at, uint first, uint end)
         vec3 r, tt, trt, seen = vec3(0.0);
 #ifdef WITH_SINGLE
         fast_modes(p.fibre, l.lobe, p.theta_o, l.across, r, tt, trt);
-        seen = shadow_clear(g) * (mask.x * r + mask.y * tt + mask.z * trt);
+        seen = shadow_clear(g) * (p.shown.x * r + p.shown.y * tt + p.shown.z * trt);
 #endif
 #ifdef WITH_MULTIPLE
         seen += fast_scattered(p, l, g, lights[j].radiance.w, view);
