@@ -27,7 +27,8 @@ enum { X = 0, Y = 1, Z = 2 };
 
 // --- life --------------------------------------------------------------------
 
-bool crossings_init(struct crossings *c, struct error *err)
+static bool begin(struct crossings *c, const struct crossings *of,
+                  struct error *err)
 {
     memset(c, 0, sizeof *c);
     c->block = bytes_zalloc(1, sizeof *c->block);
@@ -40,7 +41,7 @@ bool crossings_init(struct crossings *c, struct error *err)
                   sizeof *c->block, most);
         goto fail;
     }
-    if (!crossings_sweep_init(c, err))
+    if (!crossings_sweep_init(c, of, err))
         goto fail;
     gl.CreateBuffers(1, &c->uniform);
     gl.NamedBufferStorage(c->uniform, sizeof *c->block, NULL,
@@ -52,6 +53,17 @@ bool crossings_init(struct crossings *c, struct error *err)
 fail:
     crossings_finish(c);
     return false;
+}
+
+bool crossings_init(struct crossings *c, struct error *err)
+{
+    return begin(c, NULL, err);
+}
+
+bool crossings_init_beside(struct crossings *c, const struct crossings *of,
+                           struct error *err)
+{
+    return begin(c, of, err);
 }
 
 static void forget_ways(struct crossings *c)
@@ -289,6 +301,7 @@ static int count_ways(struct crossings *c, const struct crossings_light *l,
     int total = 0;
     for (int j = 0; j < count; j++) {
         int k = c->options.map ? 1 : crossings_ways_count(l[j].lambda, quality);
+        k = c->options.most > 0 && k > c->options.most ? c->options.most : k;
         k >>= shift;
         k = k < 1 ? 1 : k;
         c->block->light[j][0] = (uint32_t)total;

@@ -63,6 +63,8 @@ struct crossings_options {
                      // lists; 0: no limit
     int ways;        // directions that the budget should hold; 0: 210, which is
                      // 40 lights at CROSSINGS_FINE
+    int most;        // directions a light at most; 0: as many as the quality
+                     // says
     const struct strands *map; // depth maps of this hair, half as many cells
                                // more along a side as `resolution`, fewer where
                                // the budget ends; borrowed until the next grid.
@@ -110,11 +112,16 @@ struct crossings { // zero-initialised is empty; all fields are private
     unsigned before;                // `state` as a texture
     uint64_t state_size, bytes_size[2];
     unsigned sweep[3], turn; // programs
+    bool borrowed;           // these are another's
     unsigned query[4];
     bool timed; // the queries hold a sweep that was not read yet
 };
 
 bool crossings_init(struct crossings *c, struct error *err);
+// A second field, without maps and rays, with the programs of `of`, which
+// outlives it.
+bool crossings_init_beside(struct crossings *c, const struct crossings *of,
+                           struct error *err);
 void crossings_finish(struct crossings *c); // a zeroed one is allowed
 
 // When the hair (group hair) changed.  Everything else is forgotten with it.

@@ -40,7 +40,9 @@ void crossings_lists_forget(struct crossings *c);
 void crossings_lists_bind(struct crossings *c, const struct strands *s);
 
 // --- crossings_sweep.c: what is in a tile
-bool crossings_sweep_init(struct crossings *c, struct error *err);
+// of: whose programs to use; NULL: own ones
+bool crossings_sweep_init(struct crossings *c, const struct crossings *of,
+                          struct error *err);
 void crossings_sweep_finish(struct crossings *c);
 void crossings_sweep_forget(struct crossings *c); // scratch memory
 // Fills the tiles of stats.ways directions, which block->way holds.

@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "renderer/gl.h"
 #include "renderer/program.h"
@@ -25,7 +26,7 @@ struct way_std140 {
     uint32_t tile;
 };
 
-bool crossings_sweep_init(struct crossings *c, struct error *err)
+static bool programs(struct crossings *c, struct error *err)
 {
     for (int a = 0; a < 3; a++) {
         char defines[32];
@@ -35,8 +36,19 @@ bool crossings_sweep_init(struct crossings *c, struct error *err)
             return false;
     }
     c->turn = program_compute("crossings_turn.comp", NULL, err);
-    if (!c->turn)
+    return c->turn != 0;
+}
+
+bool crossings_sweep_init(struct crossings *c, const struct crossings *of,
+                          struct error *err)
+{
+    if (of) {
+        memcpy(c->sweep, of->sweep, sizeof c->sweep);
+        c->turn = of->turn;
+        c->borrowed = true;
+    } else if (!programs(c, err)) {
         return false;
+    }
     gl.CreateBuffers(1, &c->ways);
     gl.NamedBufferStorage(c->ways,
                           CROSSINGS_WAYS_MAX * sizeof(struct way_std140), NULL,
@@ -59,6 +71,8 @@ void crossings_sweep_finish(struct crossings *c)
 {
     crossings_sweep_forget(c);
     gl.DeleteBuffers(1, &c->ways);
+    if (c->borrowed)
+        return;
     for (int a = 0; a < 3; a++)
         if (c->sweep[a])
             gl.DeleteProgram(c->sweep[a]);

@@ -58,6 +58,10 @@ extern const char *const groom_builtin_names[]; // NULL-terminated
 // "builtin:NAME" or a path.
 struct groom *groom_open(const char *source, struct error *err);
 
+// Every `stride`-th strand, as many times as wide where the file has widths;
+// the box and the head stay those of all.
+struct groom *groom_share(const struct groom *g, uint32_t stride);
+
 void groom_destroy(struct groom *g); // NULL is allowed
 
 // The diameter in use, in file units, when the file has none and hair.diameter

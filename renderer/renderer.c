@@ -76,6 +76,8 @@ struct renderer *renderer_create(const char *cache_dir, struct error *err)
         goto fail;
     for (int i = 0; i < RENDERER_STAGES; i++)
         r->stale[i] = true;
+    for (int i = 0; i < RENDERER_STAGES; i++)
+        r->first_ms[i] = -1;
     return r;
 fail:
     renderer_destroy(r);
@@ -89,6 +91,7 @@ void renderer_destroy(struct renderer *r)
     if (r->egl) {
         egl_use(r->egl);
         layers_drop(&r->layers);
+        draft_finish(&r->draft);
         picture_finish(&r->picture);
         forward_finish(&r->forward);
         display_finish(&r->display);
@@ -122,6 +125,7 @@ static void restart(struct renderer *r, bool refined)
     picture_restart(&r->picture);
     r->samples = 0;
     r->refined = refined;
+    r->draft.shown = false;
 }
 
 // Marks a stage and all that come after it.
@@ -136,6 +140,7 @@ void renderer_mark(struct renderer *r, enum renderer_stage first)
             r->stale[i] = true;
     if (marked & BIT(RENDERER_RESOLVE))
         restart(r, false);
+    renderer_draft_mark(r, first);
 }
 
 bool renderer_set_groom(struct renderer *r, struct groom *g, struct error *err)
@@ -176,6 +181,7 @@ void renderer_set_params(struct renderer *r, const struct params *p)
         restart(r, false);
     before.quality.samples = p->quality.samples;
     before.quality.error_places = p->quality.error_places; // no pixel's affair
+    before.quality.draft_ms = p->quality.draft_ms;
     uint32_t changed = params_changed(&before, p);
     r->params = *p;
     for (int i = 0; i < RENDERER_STAGES; i++)
@@ -210,20 +216,38 @@ void renderer_layers_off(struct renderer *r)
 
 // --- a step ------------------------------------------------------------------
 
+bool renderer_run_setup(struct renderer *r, enum renderer_stage i,
+                        struct error *err)
+{
+    if (!stages[i].run || !r->stale[i])
+        return true;
+    double began = timer_now(); // set-up works on the CPU and uploads
+    r->idle = false;
+    if (!stages[i].run(r, err))
+        return false;
+    if (!r->idle)
+        r->stats.stage_ms[i] = 1e3 * (timer_now() - began);
+    r->stale[i] = false;
+    return true;
+}
+
 static bool run_setup(struct renderer *r, struct error *err)
 {
-    for (int i = 0; i < RENDERER_STAGES; i++) {
-        if (!stages[i].run || !r->stale[i])
-            continue;
-        double began = timer_now(); // set-up works on the CPU and uploads
-        r->idle = false;
-        if (!stages[i].run(r, err))
+    for (int i = 0; i < RENDERER_STAGES; i++)
+        if (!renderer_run_setup(r, (enum renderer_stage)i, err))
             return false;
-        if (!r->idle)
-            r->stats.stage_ms[i] = 1e3 * (timer_now() - began);
-        r->stale[i] = false;
-    }
     return true;
+}
+
+// What a first sample takes, stage by stage (renderer_forecast).
+static void remember_first(struct renderer *r)
+{
+    if (r->samples != 1 || r->refined)
+        return;
+    for (int i = 0; i < RENDERER_STAGES; i++)
+        if (r->stats.stage_ms[i] >= 0)
+            r->first_ms[i] = r->stats.stage_ms[i];
+    r->first_done = true;
 }
 
 bool renderer_step(struct renderer *r, bool *done, struct error *err)
@@ -245,6 +269,7 @@ bool renderer_step(struct renderer *r, bool *done, struct error *err)
         renderer_mark(r, RENDERER_VISIBLE); // half a sample may be in the sum
         return false;
     }
+    remember_first(r);
     *done = r->samples >= r->params.quality.samples && (!refine || r->refined);
     return true;
 }

@@ -43,6 +43,13 @@ struct renderer_left_out { // what this scene did not need
     double bound; // largest relative error that leaving it out can cause
 };
 
+struct renderer_draft {
+    int divisor; // of width and height, 1 to RENDERER_DRAFT_MOST
+    int stride;  // every so many-th strand, as many times as wide; the same
+    bool coarse; // set by renderer_draft: shadows are a coarse field's
+};
+enum { RENDERER_DRAFT_MOST = 16 };
+
 struct renderer_stats {
     double stage_ms[RENDERER_STAGES]; // of the last step; < 0: did not run
     int samples;                      // accumulated so far
@@ -59,7 +66,7 @@ struct renderer_stats {
     float eye[3], target[3]; // in use, world (see camera.eye = auto)
     const char *path;        // that drew it: a word of render.path
     uint64_t memory_strands, memory_targets, memory_cache; // bytes
-    uint64_t memory_shadow;
+    uint64_t memory_shadow, memory_draft;
     struct sky_fit fit;
     struct sky_cleaned cleaned;
 };
@@ -85,8 +92,23 @@ void renderer_set_params(struct renderer *r, const struct params *p);
 // After an error the stages that failed are still stale.
 bool renderer_step(struct renderer *r, bool *done, struct error *err);
 
+// What the first sample of the picture as it is asked for now would take, by
+// stage, going by what these stages took in the newest such sample: ms, < 0: it
+// would not run.  False where there is nothing to go by, where a sample is
+// there already, or where there are no drafts: of another hair or fit, with
+// render.path=forward, with shadow.method=map, of parts as layers.
+bool renderer_forecast(const struct renderer *r, double ms[RENDERER_STAGES]);
+// Makes a draft of that picture, apart from it: smaller, of fewer strands, and
+// where the lights moved with shadows of a coarse field.  Its time is in
+// stage_ms of the stats.  Where renderer_forecast returns true.  What is asked
+// of the picture itself stays asked, and comes out the same bit for bit.
+// Memory is taken with the first draft.
+bool renderer_draft(struct renderer *r, struct renderer_draft *how,
+                    struct error *err);
+
 // The display picture of the samples so far: straight-alpha RGBA8, top row
-// first, image.width x image.height, into *out (cleared first).
+// first, image.width x image.height, into *out (cleared first).  Before the
+// first sample that of the draft, enlarged, where one was made.
 bool renderer_read_display(struct renderer *r, struct buf *out,
                            struct error *err);
 // The linear picture: float RGBA, premultiplied, A = coverage by hair; before

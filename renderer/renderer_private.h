@@ -9,6 +9,7 @@
 #include "renderer/camera.h"
 #include "renderer/crossings.h"
 #include "renderer/display.h"
+#include "renderer/draft.h"
 #include "renderer/forward.h"
 #include "renderer/layers.h"
 #include "renderer/lights.h"
@@ -50,7 +51,25 @@ struct renderer {
     int samples;                 // in the picture's sum
     bool refined;                // the picture's shadows are by rays
     struct renderer_stats stats;
+    double first_ms[RENDERER_STAGES]; // of the newest first sample that ran
+                                      // the stage; < 0: none did
+    bool first_done;                  // there was one, of this groom and size
+    struct draft draft;
 };
+
+// What a stage reads changed (first: the first stage that is marked).
+void renderer_draft_mark(struct renderer *r, enum renderer_stage first);
+// As renderer_read_display, of the draft.
+bool renderer_draft_read(struct renderer *r, struct buf *out,
+                         struct error *err);
+// Runs a stage that sets up if it is stale.
+bool renderer_run_setup(struct renderer *r, enum renderer_stage i,
+                        struct error *err);
+// Is there no grid for this hair, or are there no directions for these lights?
+bool renderer_crossings_due(const struct renderer *r);
+// Uploads the scene block of sample k; the blocks of lights and parameters.
+void renderer_bind_scene(struct renderer *r, int k);
+bool renderer_wait_for_gpu(const char *doing, struct error *err);
 
 // Marks a stage and all that come after it.
 void renderer_mark(struct renderer *r, enum renderer_stage first);

@@ -79,6 +79,7 @@ void renderer_stats(const struct renderer *r, struct renderer_stats *out)
     out->memory_targets = r->picture.target_bytes + r->forward.bytes;
     out->path = paths[r->shading.tabled ? RENDERER_TABLE : r->path];
     out->memory_cache = r->picture.cache_bytes;
+    out->memory_draft = draft_bytes(&r->draft);
     out->refined = r->refined;
     if (r->shading.shadowed) {
         out->shadow_resolution = r->crossings.stats.resolution;

@@ -7,7 +7,7 @@
 #include "renderer/egl.h"
 #include "renderer/glsl.h"
 
-static void bind_scene(struct renderer *r, int k)
+void renderer_bind_scene(struct renderer *r, int k)
 {
     const struct picture_scene scene = {
         .camera = &r->camera,
@@ -23,7 +23,7 @@ static void bind_scene(struct renderer *r, int k)
 }
 
 // Waits for the GPU without spinning.
-static bool wait_for_gpu(const char *doing, struct error *err)
+bool renderer_wait_for_gpu(const char *doing, struct error *err)
 {
     GLsync fence = gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl.Flush();
@@ -70,7 +70,7 @@ static bool shade_shown(struct renderer *r, int k,
 static void show(struct renderer *r, int word, int k)
 {
     shading_show(&r->shading, &r->params, &r->strands, word);
-    bind_scene(r, k);
+    renderer_bind_scene(r, k);
     picture_bind(&r->picture);
 }
 
@@ -173,12 +173,12 @@ static bool shadow_and_shade(struct renderer *r, int k, struct error *err)
         .by_pixel = r->path == RENDERER_FORWARD,
         .centres = r->forward.centres,
     };
-    crossings_bind(&r->crossings, &r->strands);
+    crossings_bind(&r->crossings, q.rays > 0 ? &r->strands : NULL);
     if (nodes_kept(&r->nodes, k, q.rays))
         return shadow(r, &q, err);
     if (q.by_pixel)
         list_fragments(r, k);
-    if (!wait_for_gpu("visible", err)) // how many places there are
+    if (!renderer_wait_for_gpu("visible", err)) // how many places there are
         return false;
     const uint32_t all = picture_counters(&r->picture);
     const uint32_t room = nodes_room(&q);
@@ -189,7 +189,7 @@ static bool shadow_and_shade(struct renderer *r, int k, struct error *err)
         return shade(r, k, NULL, err);
     for (; q.begin < all; q.begin += room) {
         q.places = all - q.begin < room ? all - q.begin : room;
-        if (!shadow(r, &q, err) || !wait_for_gpu("shadow", err))
+        if (!shadow(r, &q, err) || !renderer_wait_for_gpu("shadow", err))
             return false;
         timer_collect(&r->timer, r->stats.stage_ms, RENDERER_STAGES);
     }
@@ -248,11 +248,11 @@ static uint32_t places_seen(struct renderer *r, int k)
 bool renderer_sample(struct renderer *r, struct error *err)
 {
     const int k = r->samples;
-    bind_scene(r, k);
+    renderer_bind_scene(r, k);
     if (!see(r, k, err) ||
         !(renderer_shadowed(r) ? shadow_and_shade(r, k, err)
                                : shade(r, k, NULL, err)) ||
-        !resolve(r, err) || !wait_for_gpu("sample", err))
+        !resolve(r, err) || !renderer_wait_for_gpu("sample", err))
         return false;
     timer_collect(&r->timer, r->stats.stage_ms, RENDERER_STAGES);
     r->stats.visible_points = places_seen(r, k);
@@ -270,18 +270,20 @@ bool renderer_read_display(struct renderer *r, struct buf *out,
     struct timer *t = &r->timer;
     buf_clear(out);
     egl_use(r->egl);
+    if (r->samples == 0 && r->draft.shown)
+        return renderer_draft_read(r, out, err);
     if (r->samples == 0)
         return error_set(err, "state", "image", "nothing is rendered yet");
     // The parameter block may be older than view.*, which it also holds.
     float values[512];
     glsl_params_values(&r->params, values);
     gl.NamedBufferSubData(r->shading.params, 0, 16 * params_row_count, values);
-    bind_scene(r, r->samples - 1);
+    renderer_bind_scene(r, r->samples - 1);
     timer_begin(t, RENDERER_DISPLAY, "display");
     picture_bind(&r->picture);
     bool drawn = display_draw(&r->display, &r->params, r->map, r->samples, err);
     timer_end(t, RENDERER_DISPLAY);
-    if (!drawn || !wait_for_gpu("display", err))
+    if (!drawn || !renderer_wait_for_gpu("display", err))
         return false;
     double began = timer_now();
     display_read(&r->display, out);

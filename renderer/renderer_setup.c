@@ -99,6 +99,20 @@ static bool build_lists(struct renderer *r, struct error *err)
     return r->lists_tried;
 }
 
+static bool grid_due(const struct renderer *r)
+{
+    const struct params *p = &r->params;
+    return r->grid_stale || r->grid_resolution != p->shadow.resolution ||
+           r->grid_memory_mb != p->shadow.memory_mb ||
+           r->grid_method != p->shadow.method;
+}
+
+bool renderer_crossings_due(const struct renderer *r)
+{
+    return grid_due(r) || r->directions_stale ||
+           r->directions_quality != r->params.shadow.directions;
+}
+
 // Only what is not so already: a grid for this hair, directions for these
 // lights, lists for rays.
 bool renderer_setup_crossings(struct renderer *r, struct error *err)
@@ -107,14 +121,12 @@ bool renderer_setup_crossings(struct renderer *r, struct error *err)
     r->idle = true;
     if (!renderer_shadowed(r))
         return true;
-    if (r->grid_stale || r->grid_resolution != p->shadow.resolution ||
-        r->grid_memory_mb != p->shadow.memory_mb ||
-        r->grid_method != p->shadow.method) {
+    if (grid_due(r)) {
         r->idle = false;
         if (!build_grid(r, err))
             return false;
     }
-    if (r->directions_stale || r->directions_quality != p->shadow.directions) {
+    if (renderer_crossings_due(r)) {
         r->idle = false;
         if (!update_directions(r, err))
             return false;

@@ -22,6 +22,7 @@ static void note_stats(struct engine *e)
     if (e->studio.samples > 0)
         renderer_stats(e->studio.renderer, &e->stats.renderer);
     e->stats.steps = e->studio.steps;
+    e->stats.drafts = e->studio.drafts;
 }
 
 static void note_frames(struct engine *e, const struct studio_frame *frames,

@@ -51,6 +51,19 @@ static void put_format(struct json *j, const struct still_encoding *e)
     }
 }
 
+// What a draft leaves out.
+static void put_draft(struct json *j, const struct renderer_draft *d)
+{
+    if (d->divisor == 0)
+        return;
+    json_key(j, "draft");
+    json_open_object(j);
+    json_put_int(j, "divisor", d->divisor);
+    json_put_int(j, "stride", d->stride);
+    json_put_bool(j, "coarse_shadows", d->coarse);
+    json_close_object(j);
+}
+
 void frame_put(struct json *j, const struct studio_frame *f,
                const struct frame_about *about)
 {
@@ -68,9 +81,13 @@ void frame_put(struct json *j, const struct studio_frame *f,
     json_put_int(j, "x", 0);
     json_put_int(j, "y", 0);
     json_put_int(j, "bytes", (int64_t)f->bytes->size);
-    json_put_string(j, "level", f->final ? "final" : "full");
+    json_put_string(j, "level",
+                    f->draft.divisor > 0 ? "draft"
+                    : f->final           ? "final"
+                                         : "full");
     json_put_bool(j, "final", f->final);
     json_put_int(j, "samples", f->samples);
+    put_draft(j, &f->draft);
     json_put_string(j, "path", f->path);
     frame_put_ms(j, "render_ms", f->render_ms);
     frame_put_ms(j, "encode_ms", f->encode_ms);

@@ -34,6 +34,7 @@ static void put_memory(struct json *j, const struct renderer_stats *r,
     json_put_int(j, "strands", (int64_t)r->memory_strands);
     json_put_int(j, "targets", (int64_t)r->memory_targets);
     json_put_int(j, "cache", (int64_t)r->memory_cache);
+    json_put_int(j, "draft", (int64_t)r->memory_draft);
     json_put_int(j, "frames", held);
     json_put_int(j, "process_peak", (int64_t)usage.ru_maxrss * 1024);
     json_close_object(j);
@@ -107,6 +108,7 @@ static void put_counts(struct json *j, const struct hub *h,
     json_put_int(j, "edits", (int64_t)h->edits);
     json_put_int(j, "coalesced", (int64_t)e->coalesced);
     json_put_int(j, "steps", (int64_t)e->steps);
+    json_put_int(j, "drafts", (int64_t)e->drafts);
     json_put_int(j, "frames_made", (int64_t)e->frames);
     json_put_int(j, "frames_sent", (int64_t)h->frames_sent);
     json_put_int(j, "frame_bytes_sent", (int64_t)h->bytes_sent);

@@ -1,8 +1,10 @@
 // studio.c - decides what the renderer does next for viewers, and when a
-// picture is worth encoding: the first sample of a new state, then at 4, 16,
-// 64 ... samples, and when it is final.
+// picture is worth encoding: a draft where edits keep coming and the first
+// sample of a new state would be late, that first sample, then at 4, 16, 64 ...
+// samples, and when it is final.
 #include "server/studio.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,6 +14,13 @@
 // What changes these leaves the picture's samples as they are (renderer.h).
 #define KEEPS_PICTURE (1u << GROUP_view | 1u << GROUP_output)
 
+static void restart(struct studio *s)
+{
+    s->samples = 0;
+    s->done = false;
+    s->draft.divisor = 0;
+}
+
 bool studio_set_hair(struct studio *s, struct assets_hair *h, struct error *err)
 {
     struct groom *g = h->groom;
@@ -19,8 +28,7 @@ bool studio_set_hair(struct studio *s, struct assets_hair *h, struct error *err)
     if (!renderer_set_groom(s->renderer, g, err))
         return false;
     s->hair = h->source;
-    s->samples = 0;
-    s->done = false;
+    restart(s);
     s->failed_revision = 0;
     return true;
 }
@@ -32,8 +40,7 @@ bool studio_set_sky(struct studio *s, struct assets_sky *m, struct error *err)
     if (!renderer_set_sky(s->renderer, map, err))
         return false;
     s->env = m->source;
-    s->samples = 0;
-    s->done = false;
+    restart(s);
     s->failed_revision = 0;
     return true;
 }
@@ -59,10 +66,8 @@ void studio_close(struct studio *s)
 
 static void set(struct studio *s, const struct params *p)
 {
-    if (params_changed(&s->set, p) & ~KEEPS_PICTURE) {
-        s->samples = 0;
-        s->done = false;
-    }
+    if (params_changed(&s->set, p) & ~KEEPS_PICTURE)
+        restart(s);
     renderer_set_params(s->renderer, p);
     s->set = *p;
 }
@@ -84,7 +89,63 @@ bool studio_step(struct studio *s, bool *done, struct error *err)
     struct renderer_stats stats;
     renderer_stats(s->renderer, &stats);
     s->samples = stats.samples;
+    if (s->samples == 1 && !stats.refined)
+        haste_full(&s->haste, stats.stage_ms);
     *done = s->done;
+    return true;
+}
+
+// --- drafts -----------------------------------------------------------------
+static bool in_haste(const struct studio_wish *w, int64_t now)
+{
+    return w->received_us > 0 && now < w->received_us + STUDIO_HASTE_US;
+}
+
+// Is a draft all that there is of the viewers' state?
+static bool only_drafted(const struct studio *s)
+{
+    return s->live && s->samples == 0 && s->draft.divisor > 0;
+}
+
+// EXR is for numbers: nobody wants those of a draft.
+static bool shows_drafts(const struct studio_demand *d)
+{
+    return d->how.format != STILL_EXR;
+}
+
+static int64_t rests_from(const struct studio *s, const struct studio_wish *w)
+{
+    return w->received_us + s->rest_us;
+}
+
+// Makes one where the first sample of this state would take longer than
+// quality.draft_ms.  *made: so it was.
+static bool draft(struct studio *s, const struct studio_wish *w, bool *made,
+                  struct error *err)
+{
+    const double budget = (double)s->set.quality.draft_ms;
+    double forecast[RENDERER_STAGES];
+    struct renderer_draft how;
+    struct renderer_stats stats;
+    bool shown = false;
+    *made = false;
+    for (int i = 0; i < w->demand_count; i++)
+        shown = shown || shows_drafts(&w->demand[i]);
+    const int64_t began = clock_us();
+    if (!shown || budget <= 0 || s->samples > 0 || !in_haste(w, began) ||
+        !renderer_forecast(s->renderer, forecast) ||
+        !haste_choose(&s->haste, forecast, budget, s->set.image.height, &how))
+        return true;
+    if (!renderer_draft(s->renderer, &how, err))
+        return false;
+    const int64_t whole = (int64_t)(1e3 * haste_full_ms(&s->haste, forecast));
+    s->rest_us = whole < STUDIO_REST_US ? whole : STUDIO_REST_US;
+    s->render_ms += (double)(clock_us() - began) / 1e3;
+    s->draft = how;
+    s->stepped = *made = true;
+    s->drafts++;
+    renderer_stats(s->renderer, &stats);
+    haste_draft(&s->haste, forecast, &how, stats.stage_ms);
     return true;
 }
 
@@ -100,15 +161,12 @@ static int milestone(const struct studio *s)
     return s->samples > 0 ? m : 0;
 }
 
-static bool in_haste(const struct studio_wish *w, int64_t now)
-{
-    return w->received_us > 0 && now < w->received_us + STUDIO_HASTE_US;
-}
-
 static bool due(const struct studio *s, const struct studio_wish *w,
                 const struct studio_demand *d, int64_t now)
 {
     int reached = milestone(s);
+    if (only_drafted(s))
+        return d->revision != s->live_revision && shows_drafts(d);
     if (reached == 0)
         return false;
     return d->revision != s->live_revision || d->samples < reached ||
@@ -123,7 +181,10 @@ bool studio_wants(const struct studio *s, const struct studio_wish *w,
         return false;
     if (w->revision != s->live_revision)
         return w->demand_count > 0;
-    if (s->live && !s->done)
+    const bool waits = only_drafted(s) && now < rests_from(s, w);
+    if (waits)
+        *until = rests_from(s, w);
+    else if (s->live && !s->done)
         return true;
     for (int i = 0; i < w->demand_count; i++) {
         const struct studio_demand *d = &w->demand[i];
@@ -133,7 +194,7 @@ bool studio_wants(const struct studio *s, const struct studio_wish *w,
         if (s->live ? due(s, w, d, now)
                     : lacks || (d->hasty && !in_haste(w, now)))
             return true;
-        if (d->hasty)
+        if (d->hasty && !waits)
             *until = w->received_us + STUDIO_HASTE_US;
     }
     return false;
@@ -149,8 +210,12 @@ bool studio_turn(struct studio *s, const struct studio_wish *w,
         s->live_revision = w->revision;
         s->live = true;
     }
-    bool done;
-    if (studio_step(s, &done, err))
+    bool done, made = false, ok = true;
+    if (only_drafted(s))
+        made = clock_us() < rests_from(s, w); // it stays for now
+    else
+        ok = draft(s, w, &made, err);
+    if (ok && (made || studio_step(s, &done, err)))
         return true;
     s->failed_revision = w->revision;
     return false;
@@ -179,6 +244,17 @@ static void stages(const struct studio *s, struct studio_frame *f)
     f->path = stats.path;
 }
 
+// What was measured on the way from picture to bytes.
+static void note_tail(struct studio *s, const struct studio_frame *f)
+{
+    const double ms = fmax(f->stage_ms[RENDERER_DISPLAY], 0) +
+                      fmax(f->stage_ms[RENDERER_READ], 0) + f->encode_ms;
+    if (f->draft.divisor > 0)
+        haste_draft_tail(&s->haste, ms);
+    else if (f->samples == 1)
+        haste_full_tail(&s->haste, ms);
+}
+
 static bool make(struct studio *s, struct still_request *q,
                  struct studio_frame *f, struct error *err)
 {
@@ -193,7 +269,10 @@ static bool make(struct studio *s, struct still_request *q,
         f->final = s->done;
         f->render_ms = s->render_ms;
         f->encode_ms = q->encode_ms;
+        if (only_drafted(s))
+            f->draft = s->draft;
         stages(s, f);
+        note_tail(s, f);
     }
     buf_finish(&bytes);
     return ok;
@@ -284,8 +363,7 @@ bool studio_capture_layers(struct studio *s, struct error *err)
 {
     if (!renderer_layers_on(s->renderer, err))
         return false;
-    s->samples = 0; // the same picture once more
-    s->done = false;
+    restart(s); // the same picture once more
     return true;
 }
 

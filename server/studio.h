@@ -13,13 +13,18 @@
 #include "protocol/params.h"
 #include "renderer/renderer.h"
 #include "server/assets.h"
+#include "server/haste.h"
 #include "server/judge.h"
 #include "server/still.h"
 
 enum {
     STUDIO_DEMANDS = 16,
-    // JPEG of an automatic stream: in haste until so long after an edit.
+    // In haste until so long after an edit: JPEG of an automatic stream,
+    // drafts.
     STUDIO_HASTE_US = 300000,
+    // After a draft the full picture waits for the hand to rest: as long as it
+    // would hold up the next edit, at most so long.
+    STUDIO_REST_US = 150000,
     STUDIO_HASTE_QUALITY = 75, // 4:2:0
     STUDIO_REST_QUALITY = 90   // 4:4:4
 };
@@ -49,6 +54,8 @@ struct studio_frame {
     uint64_t revision;
     int width, height, samples;
     bool final, hasty;
+    struct renderer_draft
+        draft;        // how this draft was made; divisor 0: it is none
     double render_ms; // rendering since the frame before
     double encode_ms;
     const char *path;                 // that drew it: a word of render.path
@@ -63,12 +70,16 @@ struct studio {
     struct params set; // what the renderer has
     int samples;       // of `set`
     bool done;
-    bool live;                // `set` is the viewers' state of live_revision
-    uint64_t live_revision;   // 0: none yet
-    uint64_t failed_revision; // of which a step failed; 0: none
-    double render_ms;         // since the frame before
-    bool stepped;             // since the frame before
-    uint64_t steps;           // ever
+    bool live;                   // `set` is the viewers' state of live_revision
+    uint64_t live_revision;      // 0: none yet
+    uint64_t failed_revision;    // of which a step failed; 0: none
+    double render_ms;            // since the frame before
+    bool stepped;                // since the frame before
+    uint64_t steps;              // ever
+    struct renderer_draft draft; // shown while samples is 0; divisor 0: none
+    int64_t rest_us;             // after the edit: until then nothing but it
+    uint64_t drafts;             // ever
+    struct haste haste;
 };
 
 // Takes the groom and the sky.
@@ -85,7 +96,7 @@ bool studio_set_sky(struct studio *s, struct assets_sky *m, struct error *err);
 // ask again, INT64_MAX: not before something changes.
 bool studio_wants(const struct studio *s, const struct studio_wish *w,
                   int64_t now, int64_t *until);
-// One turn of that work: at most one step of rendering.
+// One turn of that work: a draft, or at most one step of rendering.
 bool studio_turn(struct studio *s, const struct studio_wish *w,
                  struct error *err);
 // Encodes for those demands that the picture as it stands would serve better;

@@ -278,6 +278,8 @@ class Daemon:
                    "--set", "shadow.method=off",  # pictures are not the point
                    # No frame comes twice, with what is known of it.
                    "--set", "quality.error_places=0",
+                   # Frames depend on no clock; drafts: test_draft.py.
+                   "--set", "quality.draft_ms=0",
                    "--set", "sky.lights=4"] + list(options)
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE,
                                         stderr=stderr)

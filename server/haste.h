@@ -1,0 +1,41 @@
+// haste.h - how coarse a draft has to be for the time that it may take, going
+// by what full first samples and earlier drafts took on this machine. Thread:
+// render (values only).
+#ifndef SERVER_HASTE_H
+#define SERVER_HASTE_H
+
+#include <stdbool.h>
+
+#include "renderer/renderer.h"
+
+enum { HASTE_KINDS = 4 };
+
+struct haste {       // zero-initialised: nothing is known
+    double visible;  // ms, of all strands
+    double tail;     // ms from the picture to bytes, of a full frame
+    double own_tail; // ... and of a draft
+    double seen;     // ms, of the newest draft's raster; 0: none with `stride`
+    double field;    // ms, of the newest coarse field
+    int stride;      // in use; it changes seldom, since strands are built anew
+    struct haste_kind { // by which stages the edit asks for
+        int divisor;    // of the newest draft; 0: none yet
+        double pixels;  // ms of shadow and shading, times divisor^2
+    } kind[HASTE_KINDS];
+};
+
+// A full first sample was made; stage_ms as in renderer_stats.
+void haste_full(struct haste *h, const double *stage_ms);
+// It was displayed and encoded in so many ms.
+void haste_full_tail(struct haste *h, double ms);
+// Is a draft to be made of what is forecast (renderer_forecast), and which?
+// False where the full sample itself takes at most budget_ms.
+bool haste_choose(struct haste *h, const double *forecast, double budget_ms,
+                  int height, struct renderer_draft *how);
+// That draft was made.
+void haste_draft(struct haste *h, const double *forecast,
+                 const struct renderer_draft *how, const double *stage_ms);
+void haste_draft_tail(struct haste *h, double ms);
+// Of a forecast: all its stages, display and encoding.
+double haste_full_ms(const struct haste *h, const double *forecast);
+
+#endif
