@@ -160,6 +160,8 @@ static bool take_hair(struct reference *s, const struct groom *g,
     take_tangents(s, g);
     take_box(s, g);
     take_colour(s, g);
+    s->hair_bytes = shoot_bytes(s->shoot) +
+                    (s->colour ? 6 : 3) * (size_t)g->points * sizeof(float);
     return true;
 }
 
@@ -217,6 +219,11 @@ void reference_destroy(struct reference *s)
     fibre_destroy(s->fibre);
     free(s->light);
     free(s);
+}
+
+size_t reference_bytes(const struct reference *s)
+{
+    return s->hair_bytes;
 }
 
 const struct fibre *reference_fibre(const struct reference *s)

@@ -30,6 +30,7 @@ struct reference_sky {
 struct reference {
     struct params params;
     struct shoot *shoot;
+    size_t hair_bytes;
     struct fibre *fibre;
     struct reference_sky sky;
     uint64_t hair_key;

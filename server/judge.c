@@ -27,6 +27,9 @@ struct judge {
     bool stop, waiting, reading; // reading: groom and map are being read
     struct judge_case next;      // where waiting
     struct params params;        // of next
+    // The judge's own thread only: kept from case to case, since most edits
+    // leave the hair as it is.
+    struct reference *truth;
 };
 
 static bool go_on(void *self, const struct reference_progress *p)
@@ -58,8 +61,7 @@ static void compare(const struct judge_case *c,
     free(x);
 }
 
-static void weigh(struct judge *j, const struct judge_case *c,
-                  const struct reference *truth, int64_t began)
+static void weigh(struct judge *j, const struct judge_case *c, int64_t began)
 {
     struct reference_estimate *e = bytes_alloc(c->count * sizeof *e);
     for (size_t i = 0; i < sizeof rounds / sizeof *rounds; i++) {
@@ -67,11 +69,12 @@ static void weigh(struct judge *j, const struct judge_case *c,
                                             .seed = c->revision,
                                             .progress = go_on,
                                             .self = j};
-        if (!reference_path(truth, c->places, c->count, &how, e))
+        if (!reference_path(j->truth, c->places, c->count, &how, e))
             break;
         struct judge_verdict v = {.revision = c->revision,
                                   .places = (int)c->count,
-                                  .paths = rounds[i]};
+                                  .paths = rounds[i],
+                                  .memory = reference_bytes(j->truth)};
         compare(c, e, &v);
         v.seconds = (double)(clock_us() - began) / 1e6;
         // A black truth has no relative error.
@@ -93,15 +96,18 @@ static void hear_next(struct judge *j)
     j->reading = true;
     atomic_store(&j->halted, false);
     pthread_mutex_unlock(&j->lock);
-    struct reference *truth = reference_create(&c.scene, &err);
+    bool ok = true;
+    if (j->truth)
+        ok = reference_update(j->truth, &c.scene, &err);
+    else
+        j->truth = reference_create(&c.scene, &err);
     pthread_mutex_lock(&j->lock);
     j->reading = false;
     pthread_cond_broadcast(&j->change);
     pthread_mutex_unlock(&j->lock);
     // A groom too large for the truth has no verdict; that is no fault.
-    if (truth && !atomic_load(&j->halted))
-        weigh(j, &c, truth, began);
-    reference_destroy(truth);
+    if (ok && j->truth && !atomic_load(&j->halted))
+        weigh(j, &c, began);
     free(c.places);
     pthread_mutex_lock(&j->lock);
 }
@@ -190,6 +196,7 @@ void judge_destroy(struct judge *j)
     pthread_cond_broadcast(&j->change);
     pthread_mutex_unlock(&j->lock);
     pthread_join(j->thread, NULL);
+    reference_destroy(j->truth);
     pthread_cond_destroy(&j->change);
     pthread_mutex_destroy(&j->lock);
     free(j);

@@ -31,6 +31,7 @@ struct judge_verdict {
     double noise;      // of the paths, already taken off `value`
     double seconds;    // what it took
     int places, paths; // paths a place
+    uint64_t memory;   // bytes that the truth keeps for the next case
 };
 
 struct judge;

@@ -21,9 +21,10 @@ static void put_left_out(struct json *j, const struct renderer_stats *r)
     json_close_array(j);
 }
 
-static void put_memory(struct json *j, const struct renderer_stats *r,
+static void put_memory(struct json *j, const struct engine_stats *e,
                        const struct hub *h)
 {
+    const struct renderer_stats *r = &e->renderer;
     int64_t held = 0;
     for (int i = 0; i < h->held_count; i++)
         held += (int64_t)h->held[i].frame.bytes->size;
@@ -35,6 +36,7 @@ static void put_memory(struct json *j, const struct renderer_stats *r,
     json_put_int(j, "targets", (int64_t)r->memory_targets);
     json_put_int(j, "cache", (int64_t)r->memory_cache);
     json_put_int(j, "draft", (int64_t)r->memory_draft);
+    json_put_int(j, "truth", (int64_t)e->verdict.memory);
     json_put_int(j, "frames", held);
     json_put_int(j, "process_peak", (int64_t)usage.ru_maxrss * 1024);
     json_close_object(j);
@@ -137,7 +139,7 @@ void stats_put(struct json *j, struct hub *h)
     } else {
         json_null(j);
     }
-    put_memory(j, &e.renderer, h);
+    put_memory(j, &e, h);
     put_picture(j, &e);
     frame_put_error(j, &e.verdict);
 }

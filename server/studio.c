@@ -334,6 +334,7 @@ bool studio_case(struct studio *s, struct judge_case *c, struct error *err)
     *c = (struct judge_case){.revision = s->live_revision};
     renderer_scene(s->renderer, &c->scene);
     c->scene.params = &s->set;
+    c->scene.fit = NULL; // a judge does not look at the lights
     c->places = bytes_alloc(want * sizeof *c->places);
     bool ok = renderer_places(s->renderer, want, s->live_revision, c->places,
                               &c->count, err);
