@@ -203,6 +203,13 @@ await test("status_line", async () => {
   check(/^final \d+\/4$/.test(await text("level")), await text("level"));
 });
 
+await test("says_how_wrong_it_is", async () => {
+  await until("the error against path tracing", async () => {
+    const now = await text("wrong");
+    return { ok: /^[\d.]+ % ± [\d.]+ % of reference$/.test(now), now };
+  });
+});
+
 await test("slider_drag_changes_picture", async () => {
   const slider = control("fibre.sigma_a red");
   const box = await slider.boundingBox();
