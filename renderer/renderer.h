@@ -67,6 +67,7 @@ struct renderer_stats {
     const char *path;        // that drew it: a word of render.path
     uint64_t memory_strands, memory_targets, memory_cache; // bytes
     uint64_t memory_shadow, memory_draft;
+    uint64_t memory_tables; // of render.path=table
     struct sky_fit fit;
     struct sky_cleaned cleaned;
 };

@@ -48,6 +48,10 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
         snprintf(why, sizeof why, "%s: lit directly", r->shading.refused);
         leave_out(s, "tables", 0, why);
     }
+    if (r->shading.tabled)
+        leave_out(s, "exact_integrals", FAST_TABLES_ERROR,
+                  "render.path is table: 99 of 100 measured sums over a sky's "
+                  "lights err by less");
     if (!r->strands.opacity && r->strands.plain_colour[3] >= 1)
         leave_out(s, "opacity", 0,
                   "hair.use_opacity is off or the file has none");
@@ -80,6 +84,7 @@ void renderer_stats(const struct renderer *r, struct renderer_stats *out)
     out->path = paths[r->shading.tabled ? RENDERER_TABLE : r->path];
     out->memory_cache = r->picture.cache_bytes;
     out->memory_draft = draft_bytes(&r->draft);
+    out->memory_tables = fast_tables_bytes(r->shading.fast);
     out->refined = r->refined;
     if (r->shading.shadowed) {
         out->shadow_resolution = r->crossings.stats.resolution;

@@ -179,16 +179,19 @@ static void update_dual(struct shading *s, const struct params *p)
                                                : DUAL_SCHEME_BEST);
 }
 
-// Do tables light this scene?  They know no other multiple scattering than
-// `best`.
+// Do tables light this scene?  They know the paper's formulas neither of single
+// nor of multiple scattering: who asks for those gets them.
 static void choose_path(struct shading *s, const struct params *p)
 {
     const struct dual_fibre f = fibre_of(p);
     const bool asked = p->render.path == 2; // direct, forward, table
     s->refused = NULL;
-    if (asked)
-        s->refused = p->render.multiple == 1 ? "render.multiple is paper"
-                                             : fast_tables_refuse(&f);
+    if (asked && p->render.scheme == 0)
+        s->refused = "render.scheme is paper";
+    else if (asked && p->render.multiple == 1)
+        s->refused = "render.multiple is paper";
+    else if (asked)
+        s->refused = fast_tables_refuse(&f);
     s->tabled = asked && !s->refused;
     s->best = p->render.scheme == 1 && !s->tabled;
 }

@@ -12,26 +12,26 @@ const char *const bench_knobs_groups[] = {
     "default", "scheme",   "segments", "path",    "lights", "shadow",
     "rays",    "multiple", "rest",     "samples", NULL};
 
+#define PAPER "render.path=direct render.scheme=paper"
+
 // A new knob is one row: assignments that hold for the whole row (or ""), the
 // parameter, its values.
 static const struct knob {
     const char *group, *with, *name, *values;
     unsigned flags;
 } knobs[] = {
-    {"scheme", "", "render.scheme", "paper best", Q | I},
-    {"scheme", "", "render.tables", "1 4", I},
-    {"segments", "render.scheme=paper render.nodes=paper", "render.m",
-     "2 4 6 8 16", I},
-    {"segments", "render.scheme=paper render.nodes=paper", "render.m", "200",
+    // scheme, tables and segments bear upon what is lit directly
+    {"scheme", "render.path=direct", "render.scheme", "paper best", Q | I},
+    {"scheme", PAPER, "render.tables", "1 4", I},
+    {"segments", PAPER " render.nodes=paper", "render.m", "2 4 6 8 16", I},
+    {"segments", PAPER " render.nodes=paper", "render.m", "200",
      I | BENCH_KNOBS_DEAR},
-    {"segments", "render.scheme=paper render.nodes=fine", "render.m",
-     "2 6 8 16", I},
-    {"segments", "render.scheme=paper render.nodes=fine", "render.m", "200",
+    {"segments", PAPER " render.nodes=fine", "render.m", "2 6 8 16", I},
+    {"segments", PAPER " render.nodes=fine", "render.m", "200",
      I | BENCH_KNOBS_DEAR},
-    {"path", "render.scheme=paper", "render.path", "direct table forward",
-     Q | I},
     {"path", "render.scheme=best", "render.path", "direct table forward",
      Q | I},
+    {"path", "render.scheme=paper", "render.path", "direct forward", Q | I},
     {"lights", "", "sky.lights", "5 80", Q | S},
     {"lights", "", "sky.lights", "10 20 200", S},
     {"lights", "", "sky.fit", "plain", 0},
@@ -43,7 +43,8 @@ static const struct knob {
     {"rays", "", "shadow.rays", "4 16", 0},
     {"multiple", "", "render.multiple", "off paper best", Q},
     // the picture at rest, in which no other error drowns in the field's
-    {"rest", "shadow.rays=4", "render.scheme", "paper best", 0},
+    {"rest", "shadow.rays=4 render.path=direct", "render.scheme", "paper best",
+     0},
     {"rest", "shadow.rays=4", "render.multiple", "off paper best", 0},
     {"rest", "shadow.rays=4", "sky.lights", "5 10 20 80", 0},
     {"samples", "", "quality.samples", "4 16 64", BENCH_KNOBS_PICTURE},

@@ -35,6 +35,7 @@ static void put_memory(struct json *j, const struct engine_stats *e,
     json_put_int(j, "strands", (int64_t)r->memory_strands);
     json_put_int(j, "targets", (int64_t)r->memory_targets);
     json_put_int(j, "cache", (int64_t)r->memory_cache);
+    json_put_int(j, "tables", (int64_t)r->memory_tables);
     json_put_int(j, "draft", (int64_t)r->memory_draft);
     json_put_int(j, "truth", (int64_t)e->verdict.memory);
     json_put_int(j, "frames", held);
