@@ -46,6 +46,16 @@ bool renderer_forecast(const struct renderer *r, double ms[RENDERER_STAGES])
 
 // --- what a draft is made of -------------------------------------------------
 
+// The strands that stay, and the parameters by which they cover as much.
+static struct groom *share_groom(const struct renderer *r, int stride,
+                                 struct params *p)
+{
+    *p = r->params;
+    if (!place_diameter_varies(r->groom, p))
+        p->hair.diameter = r->strands.diameter * (float)stride;
+    return groom_share(r->groom, (uint32_t)stride);
+}
+
 static bool share_strands(struct renderer *r, int stride, struct error *err)
 {
     struct draft *d = &r->draft;
@@ -55,10 +65,8 @@ static bool share_strands(struct renderer *r, int stride, struct error *err)
     strands_finish(&d->strands);
     d->how.stride = stride;
     if (stride > 1) {
-        struct params p = r->params;
-        struct groom *g = groom_share(r->groom, (uint32_t)stride);
-        if (!place_diameter_varies(r->groom, &p))
-            p.hair.diameter = r->strands.diameter * (float)stride;
+        struct params p;
+        struct groom *g = share_groom(r, stride, &p);
         const bool ok =
             strands_build(&d->strands, g, &p, err) &&
             (!r->strands.axis || strands_build_axis(&d->strands, g, err));

@@ -9,10 +9,15 @@
 // The share of the budget that the strands' raster may take: what is left is
 // for light, which decides how fine the picture is.
 static const double raster_share = 0.3;
-// A draft becomes finer only when it would stay below this share of the budget:
-// another size is another set of buffers, and flickers.
-static const double finer_below = 0.8;
-enum { STRIDE_MOST = 16, ROWS_LEAST = 48 };
+// All strands into a small picture, for what they take into a whole one: at
+// 1/8 of its sides .13 of it for `animation`, as much for `straight`.
+static const double raster_small = 0.13;
+// Another size is another set of buffers, and flickers: coarser only where the
+// budget would be missed by more than this, finer where it would be kept well.
+static const double coarser_above = 1.15, finer_below = 0.8;
+// So many drafts in a row that spend half of their time on the raster are too
+// many; a single one may be another process' fault.
+enum { LATE = 3, STRIDE_MOST = 16, ROWS_LEAST = 48 };
 
 static double ran(double ms)
 {
@@ -51,9 +56,14 @@ static struct haste_kind *kind_of(struct haste *h, const double *forecast)
 
 static void choose_stride(struct haste *h, double budget_ms)
 {
-    const double wanted = fmin(
-        fmax(ceil(h->visible / (raster_share * budget_ms)), 1), STRIDE_MOST);
-    const int k = (int)wanted;
+    const double wanted =
+        ceil(raster_small * h->visible / (raster_share * budget_ms));
+    int k = (int)fmin(fmax(wanted, 1), STRIDE_MOST);
+    if (h->late >= LATE && h->stride < STRIDE_MOST) {
+        h->least = 2 * h->stride < STRIDE_MOST ? 2 * h->stride : STRIDE_MOST;
+        h->late = 0;
+    }
+    k = k < h->least ? h->least : k;
     if (h->stride > 0 && k < 2 * h->stride && h->stride < 2 * k)
         return;
     h->stride = k;
@@ -66,7 +76,7 @@ static double draft_ms(const struct haste *h, const double *forecast,
     double sum = h->own_tail + ran(forecast[RENDERER_LIGHT]) +
                  ran(forecast[RENDERER_TINT]) + ran(forecast[RENDERER_FIBRE]);
     if (forecast[RENDERER_VISIBLE] >= 0)
-        sum += h->seen > 0 ? h->seen : h->visible / h->stride;
+        sum += h->seen > 0 ? h->seen : raster_small * h->visible / h->stride;
     if (forecast[RENDERER_CROSSINGS] >= 0)
         sum += h->field;
     return sum + pixels / (divisor * divisor);
@@ -85,12 +95,14 @@ bool haste_choose(struct haste *h, const double *forecast, double budget_ms,
     const double pixels = k->divisor > 0 ? k->pixels
                                          : ran(forecast[RENDERER_SHADOW]) +
                                                ran(forecast[RENDERER_SHADE]);
+    h->budget = budget_ms;
     choose_stride(h, budget_ms);
     int d = 2;
     while (d < most) {
-        const double limit =
-            d < k->divisor ? finer_below * budget_ms : budget_ms;
-        if (draft_ms(h, forecast, pixels, d) <= limit)
+        const double limit = k->divisor == 0  ? 1
+                             : d < k->divisor ? finer_below
+                                              : coarser_above;
+        if (draft_ms(h, forecast, pixels, d) <= limit * budget_ms)
             break;
         d++;
     }
@@ -102,12 +114,16 @@ void haste_draft(struct haste *h, const double *forecast,
                  const struct renderer_draft *how, const double *stage_ms)
 {
     struct haste_kind *k = kind_of(h, forecast);
-    const double area = how->divisor * how->divisor;
+    double ms = ran(stage_ms[RENDERER_SHADE]);
+    if (forecast[RENDERER_SHADOW] >= 0) // else once, for a new size
+        ms += ran(stage_ms[RENDERER_SHADOW]);
+    ms *= how->divisor * how->divisor;
+    k->pixels = k->divisor > 0 ? 0.5 * (k->pixels + ms) : ms;
     k->divisor = how->divisor;
-    k->pixels =
-        area * (ran(stage_ms[RENDERER_SHADOW]) + ran(stage_ms[RENDERER_SHADE]));
     if (stage_ms[RENDERER_VISIBLE] >= 0)
         h->seen = stage_ms[RENDERER_VISIBLE];
     if (stage_ms[RENDERER_CROSSINGS] >= 0)
         h->field = stage_ms[RENDERER_CROSSINGS];
+    if (forecast[RENDERER_VISIBLE] >= 0)
+        h->late = h->seen > 0.5 * h->budget ? h->late + 1 : 0;
 }

@@ -16,11 +16,13 @@ struct haste {       // zero-initialised: nothing is known
     double own_tail; // ... and of a draft
     double seen;     // ms, of the newest draft's raster; 0: none with `stride`
     double field;    // ms, of the newest coarse field
-    int stride;      // in use; it changes seldom, since strands are built anew
-    struct haste_kind { // by which stages the edit asks for
-        int divisor;    // of the newest draft; 0: none yet
-        double pixels;  // ms of shadow and shading, times divisor^2
-    } kind[HASTE_KINDS];
+    double budget;   // ms, of the newest choice
+    int stride;      // in use; it changes seldom: strands are built anew
+    int least, late; // that it has to be; drafts in a row with a long raster
+    struct haste_kind {
+        int divisor;     // of the newest draft; 0: none yet
+        double pixels;   // ms of shadow and shading, times divisor^2
+    } kind[HASTE_KINDS]; // by which stages the edit asks for
 };
 
 // A full first sample was made; stage_ms as in renderer_stats.

@@ -29,6 +29,7 @@ bool studio_set_hair(struct studio *s, struct assets_hair *h, struct error *err)
         return false;
     s->hair = h->source;
     restart(s);
+    s->haste = (struct haste){0};
     s->failed_revision = 0;
     return true;
 }

@@ -1,0 +1,144 @@
+// How coarse a draft is chosen, against a machine whose every cost is known.
+#include "tests/check.h"
+
+#include <math.h>
+
+#include "server/haste.h"
+
+struct machine {                  // ms
+    double raster, shadow, shade; // of a full sample
+    double fixed, field, tail;    // of any draft; of a coarse field; to bytes
+};
+static const struct machine quick = {4, 3, 5, 1, 2, 3};
+static const struct machine usual = {130, 80, 190, 2, 5, 4};
+static const struct machine slow = {900, 600, 1500, 4, 9, 7};
+
+enum { FIBRE, CAMERA, SKY };
+
+static void forecast(const struct machine *m, int kind, double *ms)
+{
+    for (int i = 0; i < RENDERER_STAGES; i++)
+        ms[i] = -1;
+    ms[RENDERER_SHADE] = m->shade;
+    ms[RENDERER_FIBRE] = kind == FIBRE ? m->fixed : -1;
+    ms[RENDERER_VISIBLE] = kind == CAMERA ? m->raster : -1;
+    ms[RENDERER_CROSSINGS] = kind == SKY ? 10 * m->shade : -1;
+    ms[RENDERER_SHADOW] = kind != FIBRE ? m->shadow : -1;
+}
+
+// What the draft took, noted as the studio notes it; ms in all.
+static double take(struct haste *h, const struct machine *m, int kind,
+                   const struct renderer_draft *how)
+{
+    double ms[RENDERER_STAGES], asked[RENDERER_STAGES], sum = m->tail;
+    const double area = how->divisor * how->divisor;
+    forecast(m, kind, asked);
+    for (int i = 0; i < RENDERER_STAGES; i++)
+        ms[i] = asked[i];
+    ms[RENDERER_SHADE] = m->shade / area;
+    if (kind != FIBRE)
+        ms[RENDERER_SHADOW] = m->shadow / area;
+    if (kind == CAMERA)
+        ms[RENDERER_VISIBLE] = 2 + 0.13 * m->raster / how->stride;
+    if (kind == SKY)
+        ms[RENDERER_CROSSINGS] = m->field;
+    for (int i = 0; i < RENDERER_STAGES; i++)
+        sum += ms[i] > 0 ? ms[i] : 0;
+    haste_draft(h, asked, how, ms);
+    haste_draft_tail(h, m->tail);
+    return sum;
+}
+
+static struct haste known(const struct machine *m)
+{
+    struct haste h = {0};
+    double ms[RENDERER_STAGES];
+    forecast(m, CAMERA, ms);
+    haste_full(&h, ms);
+    haste_full_tail(&h, m->tail);
+    return h;
+}
+
+static void within(const struct machine *m, double budget)
+{
+    struct renderer_draft how, before = {0};
+    for (int kind = FIBRE; kind <= SKY; kind++) {
+        struct haste h = known(m);
+        double ms[RENDERER_STAGES], took = 0;
+        int changes = 0;
+        forecast(m, kind, ms);
+        for (int k = 0; k < 40; k++) {
+            CHECK(haste_choose(&h, ms, budget, 480, &how));
+            changes += k > 0 && (how.divisor != before.divisor ||
+                                 how.stride != before.stride);
+            before = how;
+            took = take(&h, m, kind, &how);
+        }
+        // coarser_above of haste.c
+        CHECK(took <= 1.15 * budget || how.divisor == 10);
+        CHECK(how.divisor >= 2 && how.divisor <= 10); // 48 rows of 480
+        CHECK(changes <= 3);                          // it settles
+    }
+}
+
+static void not_worth_it(void)
+{
+    struct haste h = known(&quick);
+    struct renderer_draft how;
+    double ms[RENDERER_STAGES];
+    forecast(&quick, FIBRE, ms);
+    // 5 + 1 of the stages, 3 to bytes
+    CHECK(fabs(haste_full_ms(&h, ms) - 9) < 1e-12);
+    CHECK(!haste_choose(&h, ms, 9, 480, &how));
+    CHECK(haste_choose(&h, ms, 8.99, 480, &how));
+}
+
+// A raster that is late again and again: fewer strands.  Once: the same.
+static void stride(void)
+{
+    struct haste h = known(&usual);
+    struct renderer_draft how, next;
+    double ms[RENDERER_STAGES], took[RENDERER_STAGES];
+    forecast(&usual, CAMERA, ms);
+    CHECK(haste_choose(&h, ms, 33, 480, &how));
+    CHECK(how.stride == 2); // .13 x 130 / (.3 x 33)
+    for (int i = 0; i < RENDERER_STAGES; i++)
+        took[i] = ms[i] < 0 ? -1 : 1;
+    took[RENDERER_VISIBLE] = 25;
+    haste_draft(&h, ms, &how, took);
+    CHECK(haste_choose(&h, ms, 33, 480, &next) && next.stride == 2);
+    haste_draft(&h, ms, &how, took);
+    haste_draft(&h, ms, &how, took);
+    CHECK(haste_choose(&h, ms, 33, 480, &next) && next.stride == 4);
+    haste_full(&h, ms); // and it stays so
+    CHECK(haste_choose(&h, ms, 33, 480, &next) && next.stride == 4);
+}
+
+static void sizes(void)
+{
+    struct renderer_draft how;
+    double ms[RENDERER_STAGES];
+    forecast(&slow, SKY, ms);
+    struct haste h = known(&slow);
+    CHECK(haste_choose(&h, ms, 0.01, 64, &how) && how.divisor == 2);
+    h = known(&slow);
+    CHECK(haste_choose(&h, ms, 0.01, 2160, &how) &&
+          how.divisor == RENDERER_DRAFT_MOST);
+    CHECK(how.stride == 16);
+}
+
+int main(void)
+{
+    check_case("a full frame within the budget");
+    not_worth_it();
+    check_case("a budget is kept, or all is done for it");
+    within(&usual, 33);
+    within(&usual, 12);
+    within(&slow, 33);
+    within(&slow, 100);
+    check_case("strands");
+    stride();
+    check_case("small and large pictures");
+    sizes();
+    return check_end();
+}
