@@ -241,13 +241,19 @@ struct view {
 static void look(const struct dual_tables *t, double theta_o, int channel,
                  struct view *v)
 {
-    struct dual_mean m;
-    double mu = -theta_o;
+    struct dual_mean m, n;
+    dual_tables_mean(t, -theta_o, channel, &m);
+    double mu = m.delta_b - theta_o, at = mu;
     // The centre moves with the inclination that it makes: for lobes of less
-    // than a degree by many widths.
-    for (int i = 0; i < 5; i++) {
-        dual_tables_mean(t, (mu - theta_o) / 2, channel, &m);
-        mu = m.delta_b - theta_o;
+    // than a degree by many widths.  Wider ones keep the first centre: the
+    // fifth may hop between two where the light grazes.
+    for (int i = 0; i < 4; i++) {
+        dual_tables_mean(t, (at - theta_o) / 2, channel, &n);
+        at = n.delta_b - theta_o;
+    }
+    if (m.sigma_b < 0.1 && fabs(at - mu) > 3 * m.sigma_b) {
+        mu = at;
+        m = n;
     }
     double reach = 4.5 * m.sigma_b;
     double lo = fmax(mu - reach, -pi / 2), hi = fmin(mu + reach, pi / 2);
