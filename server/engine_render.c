@@ -255,6 +255,7 @@ void *engine_render_main(void *arg)
     if (ok)
         render_turns(e);
     pthread_mutex_unlock(&e->lock);
+    judge_settle(e->judge); // it may still be reading the strands
     studio_close(&e->studio);
     pthread_mutex_lock(&e->lock);
     e->ended = true;

@@ -89,6 +89,19 @@ def off_means_none():
     d.stop()
 
 
+def ends_while_it_reads_the_strands():
+    d, c = start()
+    c.ask("set quality.samples=1")
+    c.ask("hair name=builtin:animation")
+    revision = c.ask("get fibre.eta")["revision"]
+    while True:
+        head = c.frame()[0]
+        c.ask("ack id=%d" % head["id"])
+        if head["revision"] >= revision and head["final"]:
+            break
+    equal(d.stop()[0], 0, "exit status")
+
+
 def parts_of_the_light_have_no_truth():
     d = Daemon(*OPTIONS, "--set", "render.components=single")
     c = d.connect()
@@ -101,4 +114,5 @@ def parts_of_the_light_have_no_truth():
 
 run([verdict_follows_final_frame, worse_picture_has_greater_error,
      display_edit_keeps_verdict, edit_stops_it_and_is_judged_anew,
-     off_means_none, parts_of_the_light_have_no_truth])
+     off_means_none, ends_while_it_reads_the_strands,
+     parts_of_the_light_have_no_truth])
