@@ -133,6 +133,24 @@ static void moment(const struct panel *p, double eta1, double e_c,
     out[1] = inverse_kappa(e + e_c - e * e_c);
 }
 
+// e^-k I_0(k): the series, or the asymptotic one.
+static double i0e(double k)
+{
+    double sum = 1, term = 1;
+    if (k > 40) {
+        for (int n = 1; n < 20; n++) {
+            term *= (2 * n - 1) * (2 * n - 1) / (8 * n * k);
+            sum += term;
+        }
+        return sum / sqrt(2 * pi * k);
+    }
+    for (int n = 1; n < 100; n++) {
+        term *= k * k / (4.0 * n * n);
+        sum += term;
+    }
+    return sum * exp(-k);
+}
+
 static double widening(double w_c) // 1 - first moment of w_c's Gaussian
 {
     double k = 2 / (w_c * w_c);
@@ -221,6 +239,13 @@ static void fit_value(const struct fit *f, const double *y, double floor,
     fit_run(f, y, weight, c);
 }
 
+// What an energy is divided by, so that the lights need no I_0 of the panel's
+// own: with the root, which they have, it hardly varies.
+static double share(const struct best_lobes *t, double per_kappa)
+{
+    return t->turned ? 1 : i0e(1 / per_kappa) / sqrt(per_kappa);
+}
+
 static void fill_polynomials(struct best_lobes *t)
 {
     struct fit fit;
@@ -230,7 +255,7 @@ static void fill_polynomials(struct best_lobes *t)
         for (int i = 0; i < SAMPLES; i++) {
             best_lobes_exact(&t->fibre, q, cos_of(t->fibre.eta, fit.x[i]), out);
             for (int k = 0; k < VALUES; k++)
-                y[k][i] = out[k];
+                y[k][i] = out[k] / (k < 2 ? 1 : share(t, out[1]));
         }
         fit_value(&fit, y[0], 1, t->c[q][0]);
         for (int k = 1; k < VALUES; k++)
@@ -329,6 +354,8 @@ void best_lobes_panel(const struct best_lobes *t, int panel, double cos_d,
         for (int n = TERMS - 1; n >= 0; n--)
             out[k] = out[k] * x + t->c[panel][k][n];
     }
+    for (int k = 2; k < VALUES; k++)
+        out[k] *= share(t, out[1]);
 }
 
 static void create_objects(struct best_lobes *t)

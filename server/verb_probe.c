@@ -383,8 +383,7 @@ static bool choose_all(struct batch *b, const char *what, const char *scheme,
     if (form < 0)
         return false;
     if (!*scheme)
-        scheme = scheme_names[form == PROBE_LINE_SINGLE ? SCHEME_PAPER
-                                                        : SCHEME_BEST];
+        scheme = scheme_names[SCHEME_BEST];
     int chosen = choose("scheme", scheme, scheme_names, SCHEMES);
     int layout = chosen < 0 ? -1 : choose("nodes", nodes, layouts, 2);
     if (layout < 0)

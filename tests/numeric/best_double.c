@@ -7,7 +7,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-enum { OUTER = 4, MEAN = 4, LOBE = 5, PANELS = 3, FINE = 32 };
+enum { MEAN = 4, LOBE = 5, PANELS = 3, FINE = 32 };
 
 struct nodes { // of Gauss-Legendre on [a, b]
     double x[FINE], w[FINE];
@@ -188,34 +188,96 @@ static double azimuth(const struct exact_case *c, int t, double theta_i)
     return ci * ci / (cd * cd) * n;
 }
 
-static double gauss_mass(double lo, double hi) // Int exp(-t^2)
+// The three-node Gauss rule of exp(-t^2) on [-far, near] by Stieltjes'
+// procedure: the nodes' distances from the near end, and weights times e^(t^2).
+struct rule {
+    double off[3], weight[3];
+};
+
+struct recurrence { // of the polynomials that are orthogonal there
+    double a[3], b[3], norm[3];
+};
+
+static struct recurrence orthogonal(double lo, double hi, double near2)
 {
-    double m = lo > 0   ? erfc(lo) - erfc(hi)
-               : hi < 0 ? erfc(-hi) - erfc(-lo)
-                        : erf(hi) - erf(lo);
-    return sqrt(pi) / 2 * m;
+    struct recurrence r;
+    struct nodes half[2] = {between(FINE, lo, (lo + hi) / 2),
+                            between(FINE, (lo + hi) / 2, hi)};
+    double before[2 * FINE] = {0}, now[2 * FINE];
+    for (int k = 0; k < 3; k++) {
+        r.norm[k] = r.a[k] = 0;
+        for (int i = 0; i < 2 * FINE; i++) {
+            double t = half[i / FINE].x[i % FINE], x = t - hi;
+            double g = half[i / FINE].w[i % FINE] * exp(near2 - t * t);
+            double next = 1;
+            if (k > 0)
+                next = (x - r.a[k - 1]) * now[i] - r.b[k - 1] * before[i];
+            before[i] = k > 0 ? now[i] : 0;
+            now[i] = next;
+            r.norm[k] += g * next * next;
+            r.a[k] += g * x * next * next;
+        }
+        r.a[k] /= r.norm[k];
+        r.b[k] = k > 0 ? r.norm[k] / r.norm[k - 1] : 0;
+    }
+    return r;
+}
+
+static struct rule rule_of(double near, double far)
+{
+    const double least = near < 0 ? -sqrt(near * near + 40) : -6.3;
+    const double hi = fmin(near, 6.3), near2 = near < 0 ? near * near : 0;
+    struct recurrence r = orthogonal(fmax(-far, least), hi, near2);
+    const double *a = r.a, *b = r.b;
+    // roots of the third polynomial, largest first
+    double mean = (a[0] + a[1] + a[2]) / 3;
+    double u = a[0] - mean, v = a[1] - mean, w = a[2] - mean;
+    double p = u * v + u * w + v * w - b[1] - b[2];
+    double q = b[1] * w + b[2] * u - u * v * w, reach = 2 * sqrt(-p / 3);
+    double angle = acos(fmax(-1, fmin(1, 3 * q / (p * reach)))) / 3;
+    struct rule n;
+    for (int k = 0; k < 3; k++) {
+        double x = mean + reach * cos(angle - 2 * pi * k / 3), t = x + hi;
+        double p1 = x - a[0], p2 = (x - a[1]) * p1 - b[1];
+        n.off[k] = near - t;
+        n.weight[k] =
+            exp(t * t - near2) /
+            (1 / r.norm[0] + p1 * p1 / r.norm[1] + p2 * p2 / r.norm[2]);
+    }
+    return n;
+}
+
+// Where the product of the circular light and M_t is largest, by one step of
+// Newton's from the plain product's centre; and its width there.  The series
+// end where the shader's do: both choose nodes, not what is integrated.
+static double centre_of(double apart, double w2, double l2, double *width)
+{
+    double d = apart * l2 / (w2 + l2), u = fmin(d * d, 6);
+    double less = d * u * (1 / 6. - u * (1 / 120. - u / 5040));
+    d += less * w2 / (fmax(1 - u / 2 + u * u / 24, 0) * w2 + l2);
+    u = fmin(d * d, 6);
+    double slope = fmax(1 - u / 2 + u * u / 24 - u * u * u / 720, 0);
+    *width = sqrt(w2 * l2 / (slope * w2 + l2));
+    return d;
 }
 
 static double mode(const struct exact_case *c, int t)
 {
-    double w = 2 * sqrt(2) * c->beta[t], l2 = c->lambda_j * c->lambda_j;
-    double centre = 2 * c->alpha[t] - c->theta_o, both = w * w + l2;
-    double mu = (centre * l2 + c->theta_j * w * w) / both;
-    double width = w * c->lambda_j / sqrt(both);
-    double lo = (-pi / 2 - mu) / width, hi = (pi / 2 - mu) / width;
-    struct nodes n = between(OUTER, fmax(lo, fmin(-1.85, hi - 1)),
-                             fmin(hi, fmax(1.85, lo + 1)));
-    double sum = 0, total = 0, near = fmax(lo, 0) + fmin(hi, 0);
-    for (int i = 0; i < OUTER; i++) {
-        double theta = mu + width * n.x[i], d = theta - c->theta_j;
-        double s = sin(d / 2), b = (theta - centre) / w;
-        if (fabs(theta) >= pi / 2)
-            continue;
-        total += n.w[i] * exp(near * near - n.x[i] * n.x[i]);
-        sum += n.w[i] * exp(near * near - 4 * s * s / l2 - b * b) *
-               azimuth(c, t, theta);
+    double w = 2 * sqrt(2) * c->beta[t], l2 = c->lambda_j * c->lambda_j, width;
+    double centre = 2 * c->alpha[t] - c->theta_o;
+    double mu = c->theta_j + centre_of(centre - c->theta_j, w * w, l2, &width);
+    width = fmin(width, pi / 3.3);
+    double at = fmin(fabs(mu), pi / 2 + 4 * width), sign = mu < 0 ? -1 : 1;
+    double near = fmin((pi / 2 - at) / width, 3), sum = 0;
+    struct rule n = rule_of(near, (pi / 2 + at) / width);
+    for (int i = 0; i < 3; i++) {
+        double theta = sign * (at + width * (near - n.off[i]));
+        double s = sin((theta - c->theta_j) / 2), b = (theta - centre) / w;
+        if (fabs(theta) < pi / 2)
+            sum += n.weight[i] * exp(-4 * s * s / l2 - b * b) *
+                   azimuth(c, t, theta);
     }
-    return sum / total * gauss_mass(lo, hi) * width / (sqrt(pi) * w);
+    return sum * width / (sqrt(pi) * w);
 }
 
 void best_double_modes(const struct exact_case *c, double out[EXACT_MODES])

@@ -54,16 +54,16 @@ static void test_accuracy(void)
     } way[] = {
         {"best_typical",
          CASES_TYPICAL,
-         {{0.0026, 0.014, 0.033},
-          {0.0013, 0.008, 0.02},
-          {0.0035, 0.024, 0.097},
-          {0.0019, 0.0068, 0.029}}},
+         {{0.0014, 0.0146, 0.021},
+          {0.0006, 0.0075, 0.013},
+          {0.0017, 0.0203, 0.1},
+          {0.0013, 0.0061, 0.0184}}},
         {"best_broad",
          CASES_BROAD,
-         {{0.0012, 0.017, 0.12},
-          {0.0049, 0.016, 0.064},
-          {0.0031, 0.031, 0.17},
-          {0.0029, 0.013, 0.16}}},
+         {{0.0009, 0.0148, 0.054},
+          {0.0024, 0.0094, 0.0173},
+          {0.0014, 0.0254, 0.103},
+          {0.0017, 0.0114, 0.053}}},
     };
     static const char *const word[4] = {"R", "TT", "TRT", "sum"};
     static const double share[3] = {0.5, 0.9, 0.99};
@@ -106,9 +106,10 @@ static void test_check_values(void)
         for (int t = 0; t < 4; t++) {
             printf("  median %.4f, largest %.4f\n", cases_quantile(&e[t], 0.5),
                    cases_quantile(&e[t], 1));
-            // measured .0035 (R) and .015 (R)
-            CHECK_ATMOST(cases_quantile(&e[t], 0.5), 0.005);
-            CHECK_ATMOST(cases_quantile(&e[t], 1), 0.021);
+            // measured .0031 (R) and .080 (TT where the lobe has ended but for
+            // the light's own width, which falls steeply along theta_i)
+            CHECK_ATMOST(cases_quantile(&e[t], 0.5), 0.0044);
+            CHECK_ATMOST(cases_quantile(&e[t], 1), 0.11);
         }
     }
     for (int t = 0; t < 4; t++)
@@ -127,8 +128,8 @@ static struct set mixed_set(size_t count)
     return s;
 }
 
-// What is left is single precision, and of TRT its polynomials in theta_d
-// (eccentric: a texture).
+// What is left is single precision, the polynomials of the rule's nodes, and of
+// TRT those in theta_d (eccentric: a texture).
 static void test_as_double(void)
 {
     struct set s = mixed_set(600);
@@ -139,9 +140,9 @@ static void test_as_double(void)
     if (sets_on_gpu(&s, best)) {
         split(&s, e);
         for (int t = 0; t < 4; t++) {
-            // three times what was measured; TRT: of its polynomials
-            const double median = t == EXACT_TRT ? 2e-4 : 2e-6;
-            const double p99 = t == EXACT_TRT ? 9e-3 : t == 3 ? 3e-3 : 1e-5;
+            // three times what was measured, all of it the polynomials'
+            const double median = t == EXACT_TRT ? 4e-4 : 4e-5;
+            const double p99 = t == EXACT_TRT ? 9e-3 : 3.3e-3;
             printf("  median %.2g, p99 %.2g, largest %.2g\n",
                    cases_quantile(&e[t], 0.5), cases_quantile(&e[t], 0.99),
                    cases_quantile(&e[t], 1));

@@ -43,6 +43,7 @@ static void plain(struct params *p)
 {
     base(p);
     p->hair.diameter = 0.5f; // lines alone
+    p->render.scheme = 0;
     p->render.m = 2;
     p->render.multiple = 0;
     p->shadow.resolution = 32;
