@@ -96,28 +96,39 @@ static bool of_picture(const struct params_row *row)
     return row->group != GROUP_output;
 }
 
-// Rows that scheme `paper` alone reads, or in its own way.
-static bool of_paper(const struct params_row *row)
+// As a picture is lit unless told otherwise, and by the two schemes directly,
+// which are edited in what they read by themselves or in their own way.
+enum way { DEFAULT, PAPER, BEST };
+
+static bool of_way(const struct params_row *row, enum way way)
 {
-    return row->group == GROUP_render || strcmp(row->name, "eta") == 0 ||
-           strcmp(row->name, "a") == 0 || strcmp(row->name, "delta_eta") == 0;
+    static const char *const rows[] = {"eta", "sigma_a", "a", "w_c"};
+    if (way == PAPER &&
+        (row->group == GROUP_render || strcmp(row->name, "delta_eta") == 0))
+        return true;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        if (row->group == GROUP_fibre && strcmp(row->name, rows[i]) == 0)
+            return true;
+    return way == DEFAULT && of_picture(row);
 }
 
-static void law(bool paper)
+static void law(enum way way)
 {
+    static const char *const words[] = {"", " (paper)", " (best)"};
     struct params start;
     base(&start);
-    if (paper)
-        start.render.scheme = 0;
+    start.render.scheme = way != PAPER;
+    if (way != DEFAULT)
+        start.render.path = 0;
     struct renderer *r = scene_renderer(groom(), scene_two_lamps(), &start);
     struct both first = take(r);
     for (int i = 0; i < params_row_count; i++) {
         const struct params_row *row = &params_rows[i];
-        if (!of_picture(row) || (paper && !of_paper(row)))
+        if (!of_way(row, way))
             continue;
         char name[96];
         snprintf(name, sizeof name, "edited = fresh: %s.%s%s", row->group_name,
-                 row->name, paper ? " (paper)" : "");
+                 row->name, words[way]);
         check_case(name);
         struct params p = start;
         change(&p, row);
@@ -371,7 +382,8 @@ int main(int argc, char **argv)
     assets();
     refusals();
     small_store();
-    law(false);
-    law(true);
+    law(DEFAULT);
+    law(PAPER);
+    law(BEST);
     return check_end();
 }
