@@ -5,6 +5,8 @@
 // green, blue.
 #include "xu.glsl"
 #include "fast.glsl"
+#include "best.glsl"
+#include "fast_grazing.glsl"
 layout(local_size_x = 64) in;
 layout(location = 0) uniform uint count;
 layout(location = 1) uniform float fibre[13];
@@ -31,6 +33,8 @@ void main()
     float theta_o = cases[at + 3u], across = xu_across(cases[at + 4u] - l.phi);
     vec3 sigma = vec3(cases[at + 5u], cases[at + 6u], cases[at + 7u]), r, tt, trt;
     fast_modes(f, l, theta_o, across, r, tt, trt);
+    if (fast_grazes(theta_o))
+        r = fast_grazing_r(f, l, theta_o, across);
     store(18u * i, r);
     store(18u * i + 3u, tt);
     store(18u * i + 6u, trt);

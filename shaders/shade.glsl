@@ -10,7 +10,7 @@
 #include "cells.glsl"
 #include "lights.glsl"
 #include "xu.glsl"
-#ifdef XU_BEST
+#if defined(XU_BEST) || defined(FAST)
 #include "best.glsl"
 #endif
 #include "place.glsl"

@@ -1,5 +1,8 @@
 // shade_fast.glsl - shade.glsl's sum over lights, where tables light a place.
 #include "fast.glsl"
+#ifdef WITH_SINGLE
+#include "fast_grazing.glsl"
+#endif
 
 struct FastPlace {
     vec3 u, v; // along the fibre, across it towards the viewer: phi_o = 0
@@ -64,6 +67,22 @@ vec3 fast_scattered(FastPlace p, FastLight l, vec4 g, float omega, DualView view
 }
 #endif
 
+#ifdef WITH_SINGLE
+// R of a place that is seen along the fibre.  A loop of its own: a renderer on
+// a CPU would run both sides of a branch in the other, while a loop without
+// turns costs next to nothing.
+vec3 fast_grazing(FastPlace p, Place c, uint at, uint first, uint end)
+{
+    vec3 sum = vec3(0.0);
+    for (uint j = first; j < end; j++) {
+        FastLight l = fast_light(p, lights[j].place);
+        sum += lights[j].radiance.rgb * shadow_clear(nodes_of(j, c, at)) *
+               fast_grazing_r(p.fibre, l.lobe, p.theta_o, l.across);
+    }
+    return sum;
+}
+#endif
+
 vec3 shade_fast(Place c, uint at, uint first, uint end)
 {
     vec3 to_eye = normalize(eye.xyz - c.p);
@@ -75,6 +94,11 @@ vec3 shade_fast(Place c, uint at, uint first, uint end)
     DualView view = dual_view(p.theta_o);
 #endif
     vec3 sum = vec3(0.0);
+#ifdef WITH_SINGLE
+    bool grazes = fast_grazes(p.theta_o) && p.shown.x > 0.0;
+    sum = fast_grazing(p, c, at, first, grazes ? end : first);
+    p.shown.x = grazes ? 0.0 : p.shown.x;
+#endif
     for (uint j = first; j < end; j++) {
         FastLight l = fast_light(p, lights[j].place);
         vec4 g = nodes_of(j, c, at);
