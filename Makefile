@@ -134,7 +134,7 @@ tests-built: floors $(B)/glintd $(B)/glint $(CTEST_BINS)
 # Timings; not part of the tests.  make bench-stages ARGS="animation straight"
 BENCHES := $(patsubst tests/bench/%.c,$(B)/tests/bench/%,\
 	$(wildcard tests/bench/bench_*.c))
-.PHONY: bench bench-stages bench-shadows bench-forward bench-encode
+.PHONY: bench bench-stages bench-drafts bench-shadows bench-forward bench-encode
 # Error against run time: the committed report, from scratch (references that
 # were made before are found again).  ARGS=--quick: two minutes, into build/.
 GLINT_DATA ?= ../shared/data
@@ -153,6 +153,10 @@ bench: all
 bench-stages: deps
 	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_stages
 	@$(B)/tests/bench/bench_stages $(ARGS)
+# Drags: drafts and the full frames that they stand for.
+bench-drafts: deps
+	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_drafts
+	@$(B)/tests/bench/bench_drafts $(ARGS)
 # Writes docs/SHADOWS.md; a few minutes on two quiet cores.
 bench-shadows: deps
 	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_crossings

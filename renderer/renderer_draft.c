@@ -35,13 +35,17 @@ void renderer_draft_mark(struct renderer *r, enum renderer_stage first)
 
 bool renderer_forecast(const struct renderer *r, double ms[RENDERER_STAGES])
 {
+    bool any = false;
     if (!r->groom || !r->map || !r->first_done || r->samples > 0 ||
-        r->layers.on || r->stale[RENDERER_STRANDS] || r->stale[RENDERER_SKY] ||
-        r->params.render.path == RENDERER_FORWARD || renderer_mapped(r))
+        r->refined || r->layers.on || r->stale[RENDERER_STRANDS] ||
+        r->stale[RENDERER_SKY] || r->params.render.path == RENDERER_FORWARD ||
+        renderer_mapped(r))
         return false;
-    for (int i = 0; i < RENDERER_STAGES; i++)
+    for (int i = 0; i < RENDERER_STAGES; i++) {
         ms[i] = r->stale[i] ? r->first_ms[i] : -1;
-    return true;
+        any |= ms[i] >= 0;
+    }
+    return any;
 }
 
 // --- what a draft is made of -------------------------------------------------

@@ -120,30 +120,28 @@ static int64_t rests_from(const struct studio *s, const struct studio_wish *w)
 }
 
 // Makes one where the first sample of this state would take longer than
-// quality.draft_ms.  *made: so it was.
-static bool draft(struct studio *s, const struct studio_wish *w, bool *made,
-                  struct error *err)
+// quality.draft_ms.  False: there is none, and the sample is next; where a
+// draft failed it has the same reasons to fail, and says so.
+static bool draft(struct studio *s, const struct studio_wish *w)
 {
     const double budget = (double)s->set.quality.draft_ms;
     double forecast[RENDERER_STAGES];
     struct renderer_draft how;
     struct renderer_stats stats;
     bool shown = false;
-    *made = false;
     for (int i = 0; i < w->demand_count; i++)
         shown = shown || shows_drafts(&w->demand[i]);
     const int64_t began = clock_us();
     if (!shown || budget <= 0 || s->samples > 0 || !in_haste(w, began) ||
         !renderer_forecast(s->renderer, forecast) ||
-        !haste_choose(&s->haste, forecast, budget, s->set.image.height, &how))
-        return true;
-    if (!renderer_draft(s->renderer, &how, err))
+        !haste_choose(&s->haste, forecast, budget, s->set.image.height, &how) ||
+        !renderer_draft(s->renderer, &how, NULL))
         return false;
     const int64_t whole = (int64_t)(1e3 * haste_full_ms(&s->haste, forecast));
     s->rest_us = whole < STUDIO_REST_US ? whole : STUDIO_REST_US;
     s->render_ms += (double)(clock_us() - began) / 1e3;
     s->draft = how;
-    s->stepped = *made = true;
+    s->stepped = true;
     s->drafts++;
     renderer_stats(s->renderer, &stats);
     haste_draft(&s->haste, forecast, &how, stats.stage_ms);
@@ -211,12 +209,11 @@ bool studio_turn(struct studio *s, const struct studio_wish *w,
         s->live_revision = w->revision;
         s->live = true;
     }
-    bool done, made = false, ok = true;
-    if (only_drafted(s))
-        made = clock_us() < rests_from(s, w); // it stays for now
-    else
-        ok = draft(s, w, &made, err);
-    if (ok && (made || studio_step(s, &done, err)))
+    // A draft stays for now, or is made now.
+    if (only_drafted(s) ? clock_us() < rests_from(s, w) : draft(s, w))
+        return true;
+    bool done;
+    if (studio_step(s, &done, err))
         return true;
     s->failed_revision = w->revision;
     return false;

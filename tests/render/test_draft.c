@@ -233,6 +233,11 @@ static void stages(void)
     scene_finish(r);
     CHECK(!renderer_forecast(r, ms)); // there is a picture
     CHECK(memory(r) == 0);
+    CHECK(renderer_layers_on(r, NULL)); // refined, and without a sample
+    CHECK(!renderer_forecast(r, ms));
+    renderer_layers_off(r);
+    CHECK(!renderer_forecast(r, ms));
+    scene_finish(r);
     check_case("stages of drafts");
     edit_fibre(&p, 1);
     renderer_set_params(r, &p);
