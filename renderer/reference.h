@@ -52,7 +52,7 @@ struct reference *renderer_reference(const struct renderer *r,
                                      enum fibre_model model, struct error *err);
 bool renderer_reference_update(const struct renderer *r, enum fibre_model model,
                                struct reference *s, struct error *err);
-void reference_destroy(struct reference *s); // NULL is allowed
+void reference_destroy(struct reference *s);       // NULL is allowed
 size_t reference_bytes(const struct reference *s); // memory of its hair
 const struct fibre *reference_fibre(const struct reference *s);
 
