@@ -188,7 +188,7 @@ function shown({ body, ...head }) {
     $("trip").textContent = `trip ${ms(performance.now() - head.echo)} ms`;
   $("rev").textContent = "r" + head.revision;
   $("size").textContent = `${head.width} × ${head.height}, ${size(head.bytes)}`;
-  $("wrong").textContent = error ? `${ms(100 * error.value)} % ± ${
+  $("wrong").textContent = error ? `error ${ms(100 * error.value)} % ± ${
     ms(100 * error.ci95)} % of reference` : "";
   layout();
   times();

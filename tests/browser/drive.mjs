@@ -206,7 +206,7 @@ await test("status_line", async () => {
 await test("says_how_wrong_it_is", async () => {
   await until("the error against path tracing", async () => {
     const now = await text("wrong");
-    return { ok: /^[\d.]+ % ± [\d.]+ % of reference$/.test(now), now };
+    return { ok: /^error [\d.]+ % ± [\d.]+ % of reference$/.test(now), now };
   });
 });
 
