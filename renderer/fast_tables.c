@@ -35,7 +35,7 @@ struct fast_tables {
     float coefficient[D * TERMS][8]; // [theta_d][n]: TT, R; TRT, 0
     uint32_t way[WAYS][4]; // [theta_j]: a_f and betabar_f, 16 bits each
     int terms;
-    bool stale, ways_stale;
+    bool stale, ways_stale, coarse;
     unsigned buffer[BUFFERS], texture[BUFFERS]; // 0 until bound for once
     unsigned values, pack;                      // programs
 };
@@ -77,6 +77,11 @@ void fast_tables_bessel(double kappa, int count, double *out)
         out[n] /= sum;
 }
 
+void fast_tables_coarsen(struct fast_tables *t)
+{
+    t->coarse = true;
+}
+
 void fast_tables_update(struct fast_tables *t, const struct dual_fibre *f)
 {
     struct dual_azimuth z;
@@ -85,7 +90,8 @@ void fast_tables_update(struct fast_tables *t, const struct dual_fibre *f)
     t->terms = f->w_c < 0.11 ? TERMS : 48;
     fast_tables_bessel(2 / (f->w_c * f->w_c), t->terms, smooth);
     for (int d = 0; d < D; d++) {
-        dual_azimuth_cosines(&z, cos(pi / 2 * (d + 0.5) / D), t->terms, c);
+        double at = t->coarse ? d / 2 * 2 + 1 : d + 0.5;
+        dual_azimuth_cosines(&z, cos(pi / 2 * at / D), t->terms, c);
         for (int n = 0; n < t->terms; n++) {
             float *to = t->coefficient[d * t->terms + n];
             for (int k = 0; k < 3; k++) {

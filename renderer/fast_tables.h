@@ -44,6 +44,10 @@ const char *fast_tables_refuse(const struct dual_fibre *f);
 struct fast_tables *fast_tables_create(void);
 void fast_tables_update(struct fast_tables *t, const struct dual_fibre *f);
 
+// For tests, to see that they notice: from the next update on two cells over
+// theta_d share what is made for their middle.
+void fast_tables_coarsen(struct fast_tables *t);
+
 // What one crossing does to light (dual_forward of shaders/dual.glsl), finely
 // enough that the nearest entry will do.
 void fast_tables_forward(struct fast_tables *t, const struct dual_tables *dual);

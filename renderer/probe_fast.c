@@ -50,6 +50,11 @@ void probe_fast_destroy(struct probe_fast *p)
     free(p);
 }
 
+void probe_fast_coarsen(struct probe_fast *p)
+{
+    fast_tables_coarsen(p->tables);
+}
+
 void probe_fast_fibre(struct probe_fast *p, const struct dual_fibre *f)
 {
     p->fibre = *f;

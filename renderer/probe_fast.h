@@ -26,6 +26,9 @@ void probe_fast_destroy(struct probe_fast *p); // NULL is allowed
 // The fibre of all cases that follow; one that fast_tables_refuse lets pass.
 void probe_fast_fibre(struct probe_fast *p, const struct dual_fibre *f);
 
+// From the next fibre on as fast_tables_coarsen.
+void probe_fast_coarsen(struct probe_fast *p);
+
 // Any count, done in batches.  Values must be legal; nothing is checked here.
 bool probe_fast_run(struct probe_fast *p, const float *cases, size_t count,
                     float *results, struct error *err);

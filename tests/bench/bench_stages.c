@@ -110,6 +110,7 @@ static void edit_few_lights(struct params *p, int k)
 
 static void edit_best(struct params *p, int k)
 {
+    p->render.path = 0;
     p->render.scheme = 1;
     edit_sigma(p, k);
 }
@@ -140,19 +141,19 @@ static void edit_eccentric_paper(struct params *p, int k)
     p->render.multiple = p->render.scheme = 0;
 }
 
-static void edit_sigma_table(struct params *p, int k)
+static void edit_sigma_direct(struct params *p, int k)
 {
-    p->render.path = 2;
+    p->render.path = 0;
     edit_sigma(p, k);
 }
-static void edit_beta_table(struct params *p, int k)
+static void edit_beta_direct(struct params *p, int k)
 {
-    p->render.path = 2;
+    p->render.path = 0;
     edit_beta(p, k);
 }
-static void edit_tint_table(struct params *p, int k)
+static void edit_tint_direct(struct params *p, int k)
 {
-    p->render.path = 2;
+    p->render.path = 0;
     edit_tint(p, k);
 }
 
@@ -170,9 +171,9 @@ static const struct edit {
     {"sigma_a > 20 (TT, TRT left out)", edit_opaque},
     {"sigma_a, light_bound = 0 (no light left out)", edit_all_lights},
     {"sigma_a, light_bound = 0.02", edit_few_lights},
-    {"sigma_a, path = table", edit_sigma_table},
-    {"beta_r, path = table", edit_beta_table},
-    {"light colour, path = table", edit_tint_table},
+    {"sigma_a, path = direct", edit_sigma_direct},
+    {"beta_r, path = direct", edit_beta_direct},
+    {"light colour, path = direct", edit_tint_direct},
     {"sigma_a, scheme paper", edit_paper},
     {"sigma_a, scheme best", edit_best},
     {"sigma_a, scheme paper, multiple off", edit_single_paper},

@@ -13,7 +13,7 @@ static void base(struct params *p)
     p->shadow.method = 1;
     p->shadow.rays = 0;
     p->shadow.resolution = 40;
-    p->render.path = 2;
+    CHECK(p->render.path == 2); // the default
 }
 
 static struct renderer *renderer_of(const struct params *p)
@@ -28,14 +28,40 @@ static const char *path(const struct renderer *r)
     return s.path;
 }
 
-static bool says_why(const struct renderer *r)
+static bool says(const struct renderer *r, const char *what)
 {
     struct renderer_stats s;
     renderer_stats(r, &s);
     for (int i = 0; i < s.left_out_count; i++)
-        if (strcmp(s.left_out[i].what, "tables") == 0)
+        if (strcmp(s.left_out[i].what, what) == 0)
             return strlen(s.left_out[i].why) > 0;
     return false;
+}
+
+static bool says_why(const struct renderer *r)
+{
+    return says(r, "tables");
+}
+
+// What tables may err is told where they light the picture, and only there; so
+// is their memory.
+static void told(void)
+{
+    struct params p;
+    struct renderer_stats s;
+    base(&p);
+    check_case("what tables may err, and their memory");
+    p.render.path = 0;
+    struct renderer *r = renderer_of(&p);
+    CHECK(scene_finish(r) && !says(r, "exact_integrals"));
+    renderer_stats(r, &s);
+    CHECK(s.memory_tables == 0); // nothing is made that is not needed
+    p.render.path = 2;
+    renderer_set_params(r, &p);
+    CHECK(scene_finish(r) && says(r, "exact_integrals") && !says_why(r));
+    renderer_stats(r, &s);
+    CHECK(s.memory_tables > 1000000);
+    renderer_destroy(r);
 }
 
 static void edit(struct params *p, int k)
@@ -132,14 +158,16 @@ static void falls_back(void)
     base(&p);
     check_case("where tables do not hold");
     struct renderer *r = renderer_of(&p);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 4; k++) {
         base(&p);
         if (k == 0)
             p.fibre.a = 0.9f;
         else if (k == 1)
             p.fibre.w_c = 3;
-        else
+        else if (k == 2)
             p.render.multiple = 1;
+        else
+            p.render.scheme = 0;
         renderer_set_params(r, &p);
         struct buf asked = scene_linear(r);
         CHECK(strcmp(path(r), "direct") == 0 && says_why(r));
@@ -155,6 +183,7 @@ static void falls_back(void)
 
 int main(void)
 {
+    told();
     law();
     agrees();
     falls_back();
