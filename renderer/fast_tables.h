@@ -30,7 +30,7 @@ enum {
 #define FAST_TABLES_BETA 1.2    // largest standard deviation
 // The largest error that was measured of a sum over a sky's lights, against
 // exact integrals: theta_o of 85 to 89 degrees (docs/METHODS.md, 1.6).
-#define FAST_TABLES_ERROR 0.032
+#define FAST_TABLES_ERROR 0.066
 #define FAST_TABLES_STEP 0.25 // of ln lambda'
 
 struct fast_tables;

@@ -51,7 +51,7 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
     if (r->shading.tabled)
         leave_out(s, "exact_integrals", FAST_TABLES_ERROR,
                   "render.path is table: the largest error measured of a sky's "
-                  "sum; median .001 to .012");
+                  "sum; median .001 to .025");
     if (!r->strands.opacity && r->strands.plain_colour[3] >= 1)
         leave_out(s, "opacity", 0,
                   "hair.use_opacity is off or the file has none");

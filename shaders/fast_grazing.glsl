@@ -4,7 +4,7 @@
 // path does.  Include after fast.glsl and best.glsl.
 
 // |theta_o| from which R is integrated: below, the sum of modes over a sky errs
-// by 2 % at most, beyond it would by up to 40 % (docs/METHODS.md, 1.6).
+// by 2.5 % at most, beyond it would by up to 40 % (docs/METHODS.md, 1.6).
 const float FAST_GRAZING = 1.2;
 
 bool fast_grazes(float theta_o) { return abs(theta_o) > FAST_GRAZING; }
