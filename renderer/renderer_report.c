@@ -16,17 +16,18 @@ static void leave_out(struct renderer_stats *s, const char *what, double bound,
 static void list_left_out(const struct renderer *r, struct renderer_stats *s)
 {
     char why[96];
+    const int dropped = r->lights.fitted - (r->lights.used - r->lights.suns);
     s->left_out_count = 0;
     if (r->shading.circular)
         leave_out(s, "eccentricity", 0, "fibre.a is 1: a circular fibre");
     if (r->shading.opaque)
         leave_out(s, "tt_trt", r->shading.opaque_bound,
                   "fibre.sigma_a lets no light through");
-    if (r->lights.used < r->lights.fitted) {
+    if (dropped > 0) {
         snprintf(why, sizeof why,
                  "%d of %d lights hold less of the sky's "
                  "light than quality.light_bound",
-                 r->lights.fitted - r->lights.used, r->lights.fitted);
+                 dropped, r->lights.fitted);
         leave_out(s, "lights", r->lights.dropped_share, why);
     }
     if (!r->shading.shadowed)

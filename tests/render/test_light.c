@@ -166,6 +166,14 @@ static double bound_of(const struct renderer_stats *s, const char *what)
     return -1;
 }
 
+static const char *why_of(const struct renderer_stats *s, const char *what)
+{
+    for (int i = 0; i < s->left_out_count; i++)
+        if (strcmp(s->left_out[i].what, what) == 0)
+            return s->left_out[i].why;
+    return "";
+}
+
 static struct buf with_stats(const struct params *p, struct renderer_stats *s)
 {
     struct renderer *r =
@@ -228,8 +236,20 @@ static void lights(void)
     // The bound is a share of the sky's light; a fibre sees a light through
     // its lobes, which weigh directions by a factor of a few.
     CHECK_ATMOST(scene_difference(&few, &all), 3 * share);
+    check_case("suns are none of the lights that are dropped or not");
+    p.sun1.strength = p.sun2.strength = p.sun3.strength = 1;
+    struct renderer_stats sunny_stats;
+    struct buf with_suns = with_stats(&p, &sunny_stats);
+    CHECK(sunny_stats.lights_used == t.lights_used + 3);
+    CHECK(strcmp(why_of(&sunny_stats, "lights"), why_of(&t, "lights")) == 0);
+    buf_finish(&with_suns);
     buf_finish(&all);
     buf_finish(&few);
+}
+
+static void darkness(void)
+{
+    struct params p;
     check_case("a black sky is a black picture");
     base(&p);
     struct renderer *r =
@@ -237,7 +257,30 @@ static void lights(void)
     struct buf black = scene_linear(r);
     CHECK_NEAR(scene_sum(&black, 0) + scene_sum(&black, 2), 0, 0);
     CHECK(scene_sum(&black, 3) > 0);
+    check_case("the first light of all brings shadows with it, the last takes "
+               "them away");
+    p.sun1.strength = 1;
+    renderer_set_params(r, &p);
+    struct buf edited = scene_linear(r);
+    struct renderer *fresh =
+        scene_renderer(scene_lock(50, 14), scene_constant_sky(0), &p);
+    struct buf sunny = scene_linear(fresh);
+    CHECK(scene_same(&edited, &sunny));
+    p.shadow.method = 0;
+    renderer_set_params(fresh, &p);
+    struct buf open = scene_linear(fresh);
+    CHECK(!scene_same(&edited, &open)); // else nothing was tested
+    p.shadow.method = 1;
+    p.sun1.strength = 0;
+    renderer_set_params(r, &p);
+    struct buf again = scene_linear(r);
+    CHECK(scene_same(&again, &black));
     buf_finish(&black);
+    buf_finish(&edited);
+    buf_finish(&sunny);
+    buf_finish(&open);
+    buf_finish(&again);
+    renderer_destroy(fresh);
     renderer_destroy(r);
 }
 
@@ -278,6 +321,7 @@ int main(int argc, char **argv)
     exposure();
     left_out();
     lights();
+    darkness();
     extremes();
     return check_end();
 }
