@@ -362,3 +362,16 @@ void reference_vertex_colour(const struct reference *s,
         rgb[k] = c ? (1 - v->along) * (double)c[k] + v->along * (double)c[k + 3]
                    : s->plain[k];
 }
+
+// Only the segment that was met last is left out, so two strands in one place
+// would hand a ray that does not move to each other for ever.
+void reference_ray_past(struct shoot_ray *ray, uint32_t segment, double t)
+{
+    double size = t;
+    for (int k = 0; k < 3; k++)
+        size = fmax(size, fabs(ray->origin[k]));
+    t += 0x1p-36 * size; // of the thousands of roundings of 2^-53 at most
+    for (int k = 0; k < 3; k++)
+        ray->origin[k] += t * ray->direction[k];
+    ray->segment = segment;
+}

@@ -73,9 +73,7 @@ static bool see(const struct view *v, struct shoot_ray *ray,
             reference_vertex_of(v->s, segment, along, back, out);
             return true;
         }
-        for (int k = 0; k < 3; k++)
-            ray->origin[k] += t * ray->direction[k];
-        ray->segment = segment;
+        reference_ray_past(ray, segment, t);
     }
 }
 

@@ -89,6 +89,10 @@ struct fibre_direction reference_vertex_in(const struct reference_vertex *v,
 void reference_vertex_out(const struct reference_vertex *v,
                           const struct fibre_direction *i, double d[3]);
 
+// The ray goes on behind the segment that it met after t: behind all that is
+// met there within rounding.
+void reference_ray_past(struct shoot_ray *ray, uint32_t segment, double t);
+
 // One path from a vertex.
 struct reference_walk {
     const struct reference *scene;

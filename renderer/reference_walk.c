@@ -115,9 +115,7 @@ static enum met meet(struct reference_walk *w, struct shoot_ray ray,
         shoot_point(w->scene->shoot, *segment, *along, &at);
         if (at.opacity >= 1 || next(w) < at.opacity)
             return MET_HAIR;
-        for (int k = 0; k < 3; k++)
-            ray.origin[k] += t * ray.direction[k];
-        ray.segment = *segment;
+        reference_ray_past(&ray, *segment, t);
     }
 }
 

@@ -5,6 +5,8 @@
 #include <sched.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 #include "renderer/places.h"
 #include "renderer/reference_private.h"
@@ -422,10 +424,35 @@ static void picture(void)
     end(&f);
 }
 
+// Of three strands two stand in one place and let everything pass: a ray goes
+// through both of them and does not stay between.
+static void coincident(void)
+{
+    check_case("transparent strands in one place let paths pass");
+    struct fixture f = plain();
+    struct groom *g = lock(false);
+    g->opacity = bytes_alloc(g->points * sizeof *g->opacity);
+    for (uint32_t i = 0; i < g->points; i++)
+        g->opacity[i] = i / 12 % 3 == 2;
+    for (uint32_t k = 0; k < g->strands; k += 3)
+        memcpy(g->position + 36 * (k + 1), g->position + 36 * k,
+               36 * sizeof *g->position);
+    f.p.hair.use_opacity = true;
+    begin(&f, g, scene_two_lamps(), 40);
+    alarm(60); // it never ended
+    struct reference_estimate *e = paths(&f, 64, 3);
+    alarm(0);
+    for (size_t i = 0; i < f.count; i++)
+        CHECK(e[i].events >= 1);
+    free(e);
+    end(&f);
+}
+
 int main(void)
 {
     places();
     once();
+    coincident();
     even_sky();
     furnace();
     running();
