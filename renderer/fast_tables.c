@@ -165,12 +165,23 @@ static unsigned make_cosines(void)
     return make(sizeof cosine, cosine, "fast cosines");
 }
 
+// What there is of them: half of it would be believed to be all.
+static void drop_objects(struct fast_tables *t)
+{
+    gl.DeleteBuffers(BUFFERS, t->buffer);
+    gl.DeleteTextures(BUFFERS, t->texture);
+    memset(t->buffer, 0, sizeof t->buffer);
+    memset(t->texture, 0, sizeof t->texture);
+}
+
 static bool create_objects(struct fast_tables *t, struct error *err)
 {
-    t->values = program_compute("fast_values.comp", NULL, err);
+    if (!t->values)
+        t->values = program_compute("fast_values.comp", NULL, err);
     if (!t->values)
         return false;
-    t->pack = program_compute("fast_pack.comp", NULL, err);
+    if (!t->pack)
+        t->pack = program_compute("fast_pack.comp", NULL, err);
     if (!t->pack)
         return false;
     unsigned *b = t->buffer;
@@ -185,7 +196,10 @@ static bool create_objects(struct fast_tables *t, struct error *err)
     for (int i = 0; i < BUFFERS; i++)
         gl.TextureBuffer(t->texture[i], format[i], b[i]);
     gl.ObjectLabel(GL_TEXTURE, t->texture[CELLS], -1, "fast cells");
-    return gl_check("making tables of the fibre", err);
+    if (gl_check("making tables of the fibre", err))
+        return true;
+    drop_objects(t);
+    return false;
 }
 
 static void fill(struct fast_tables *t)
@@ -237,11 +251,11 @@ void fast_tables_destroy(struct fast_tables *t)
 {
     if (!t)
         return;
-    if (t->buffer[0])
-        gl.DeleteBuffers(BUFFERS, t->buffer);
     if (t->texture[0])
-        gl.DeleteTextures(BUFFERS, t->texture);
-    gl.DeleteProgram(t->values);
-    gl.DeleteProgram(t->pack);
+        drop_objects(t);
+    if (t->values)
+        gl.DeleteProgram(t->values);
+    if (t->pack)
+        gl.DeleteProgram(t->pack);
     free(t);
 }

@@ -9,12 +9,17 @@
 
 enum { PART_LOCATION = 0, RAYS_LOCATION = 3, PROGRAMS = 32 };
 
+static void drop(struct nodes_store *s)
+{
+    gl.DeleteTextures(1, &s->texture);
+    gl.DeleteBuffers(1, &s->buffer);
+    memset(s, 0, sizeof *s);
+}
+
 void nodes_finish(struct nodes *n)
 {
-    const unsigned buffers[] = {n->first.buffer, n->rest.buffer};
-    const unsigned textures[] = {n->first.texture, n->rest.texture};
-    gl.DeleteTextures(2, textures);
-    gl.DeleteBuffers(2, buffers);
+    drop(&n->first);
+    drop(&n->rest);
     for (int i = 0; i < PROGRAMS; i++)
         gl.DeleteProgram(n->program[i]);
     memset(n, 0, sizeof *n);
@@ -40,22 +45,27 @@ uint32_t nodes_room(const struct nodes_request *q)
                                : (uint32_t)groups * 64;
 }
 
-static void grow(struct nodes_store *s, const struct nodes_request *q)
+static bool grow(struct nodes_store *s, const struct nodes_request *q,
+                 struct error *err)
 {
     const uint64_t bytes = 8 * (uint64_t)q->places * (uint64_t)q->lights;
     if (bytes > s->bytes) {
-        gl.DeleteTextures(1, &s->texture);
-        gl.DeleteBuffers(1, &s->buffer);
+        drop(s);
         gl.CreateBuffers(1, &s->buffer);
         gl.NamedBufferStorage(s->buffer, (GLsizeiptr)bytes, NULL, 0);
         gl.ObjectLabel(GL_BUFFER, s->buffer, -1, "transmittances");
         gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &s->texture);
         gl.TextureBuffer(s->texture, GL_RG32UI, s->buffer);
         gl.ObjectLabel(GL_TEXTURE, s->texture, -1, "transmittances");
+        if (!gl_check("transmittances", err)) {
+            drop(s); // else the next sample would believe that it is there
+            return false;
+        }
         s->bytes = bytes;
     }
     s->stride = q->places;
     s->begin = q->begin;
+    return true;
 }
 
 static unsigned program_of(struct nodes *n, const struct nodes_request *q,
@@ -87,7 +97,8 @@ bool nodes_make(struct nodes *n, const struct nodes_request *q,
     *out = store;
     if (nodes_kept(n, q->part, q->rays))
         return true;
-    grow(store, q);
+    if (!grow(store, q, err))
+        return false;
     unsigned program = program_of(n, q, s->opacity != 0, err);
     if (!program)
         return false;
