@@ -101,6 +101,7 @@ void renderer_destroy(struct renderer *r)
         nodes_finish(&r->nodes);
         strands_finish(&r->strands);
         timer_finish(&r->timer);
+        gl.DeleteProgram(r->places);
         egl_destroy(r->egl);
     }
     groom_destroy(r->groom);

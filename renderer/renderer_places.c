@@ -87,10 +87,12 @@ static void bind(const struct renderer *r, unsigned slots, unsigned items)
 }
 
 // The shader says where a cell is: the same numbers as in the picture.
-static bool fetch(const struct renderer *r, const struct chosen *c,
+static bool fetch(struct renderer *r, const struct chosen *c,
                   struct gpu_item *items, struct error *err)
 {
-    const unsigned program = program_compute("places.comp", NULL, err);
+    if (!r->places) // kept: while it is compiled an edit would wait
+        r->places = program_compute("places.comp", NULL, err);
+    const unsigned program = r->places;
     if (!program)
         return false;
     const GLsizeiptr size = (GLsizeiptr)(c->count * sizeof *items);
@@ -106,7 +108,6 @@ static bool fetch(const struct renderer *r, const struct chosen *c,
     gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl.GetNamedBufferSubData(buffer[1], 0, size, items);
     gl.DeleteBuffers(2, buffer);
-    gl.DeleteProgram(program);
     return gl_check("places", err);
 }
 

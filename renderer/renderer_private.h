@@ -46,6 +46,7 @@ struct renderer {
     struct display display;
     struct camera camera;
     struct timer timer;
+    unsigned places; // program of renderer_places.c; 0: not asked for yet
     bool stale[RENDERER_STAGES]; // of those that set up
     bool idle;                   // set by a stage that found nothing to do
     int samples;                 // in the picture's sum
