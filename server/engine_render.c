@@ -70,6 +70,14 @@ static void do_live(struct engine *e)
         events_push(&e->events, &failed);
 }
 
+// A case that was halted before its last verdict is put before the judge anew.
+static void judge_again(struct engine *e)
+{
+    const struct judge_verdict *v = &e->stats.verdict;
+    if (v->revision != e->judged || v->paths < JUDGE_PATHS)
+        e->judged = 0;
+}
+
 static bool capture_goes_on(struct engine *e)
 {
     return !e->stop && !e->capture_cancelled;
@@ -112,8 +120,7 @@ static void do_capture(struct engine *e)
     e->capture_cancelled = false;
     progress(e, "capture");
     note_taken(e, wish.revision);
-    if (e->stats.verdict.revision != e->judged)
-        e->judged = 0; // halted before it was done: asked again afterwards
+    judge_again(e);
     judge_halt(e->judge);
     studio_capture_begin(&e->studio, &p, &wish);
     event.ok =
@@ -159,6 +166,8 @@ static void do_install(struct engine *e)
         event.ok = hair ? studio_set_hair(&e->studio, &item->hair, &event.error)
                         : studio_set_sky(&e->studio, &item->sky, &event.error);
         pthread_mutex_lock(&e->lock);
+        if (!event.ok)
+            judge_again(e); // of what stays
     }
     if (event.ok) {
         *(hair ? &e->stats.hair : &e->stats.env) = info;
@@ -189,7 +198,8 @@ static void do_judge(struct engine *e)
     const struct params *p = &e->studio.set;
     struct judge_verdict known = e->stats.verdict;
     bool same = (params_changed(p, &e->judged_params) & ~shown_otherwise) == 0;
-    if (same && e->judged > 0 && known.revision == e->judged) {
+    if (same && e->judged > 0 && known.revision == e->judged &&
+        known.paths == JUDGE_PATHS) {
         known.revision = revision;
         e->stats.verdict = known;
         const struct engine_event event = {.type = ENGINE_JUDGED,

@@ -14,7 +14,7 @@
 
 // Paths a place, first and in all: after the first a figure can be shown; the
 // rest makes their noise small against errors of a percent.
-static const int rounds[] = {16, 128};
+static const int rounds[] = {16, JUDGE_PATHS};
 
 struct judge {
     pthread_t thread;

@@ -15,6 +15,8 @@
 #include "renderer/metric.h"
 #include "renderer/reference.h"
 
+enum { JUDGE_PATHS = 128 }; // a place, of a case's last verdict
+
 struct judge_case {
     uint64_t revision;
     struct reference_scene scene; // groom and map: borrowed until judge_settle;

@@ -67,6 +67,20 @@ def display_edit_keeps_verdict():
     d.stop()
 
 
+def display_edit_does_not_end_it():
+    d, c = start()
+    while True:
+        head = c.frame()[0]
+        c.ask("ack id=%d" % head["id"])
+        if "error" in head:
+            break
+    true(head["error"]["paths"] < FULL, "a first verdict")
+    revision = c.ask("set view.exposure=1")["revision"]
+    e = told(c)[-1][0]["error"]
+    equal(e["revision"], revision, "the last verdict is of the newest")
+    d.stop()
+
+
 def edit_stops_it_and_is_judged_anew():
     d, c = start()
     told(c)
@@ -113,6 +127,6 @@ def parts_of_the_light_have_no_truth():
 
 
 run([verdict_follows_final_frame, worse_picture_has_greater_error,
-     display_edit_keeps_verdict, edit_stops_it_and_is_judged_anew,
+     display_edit_keeps_verdict, display_edit_does_not_end_it, edit_stops_it_and_is_judged_anew,
      off_means_none, ends_while_it_reads_the_strands,
      parts_of_the_light_have_no_truth])
