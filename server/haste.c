@@ -16,8 +16,11 @@ static const double raster_small = 0.13;
 // budget would be missed by more than this, finer where it would be kept well.
 static const double coarser_above = 1.15, finer_below = 0.8;
 // So many drafts in a row that spend half of their time on the raster are too
-// many; a single one may be another process' fault.
-enum { LATE = 3, STRIDE_MOST = 16, ROWS_LEAST = 48 };
+// many; a single one may be another process' fault.  So may those many, so the
+// strands come back: after more drafts in a row of which an eighth goes into
+// the raster, since then twice the strands take a quarter.
+enum { LATE = 3, EARLY = 8, STRIDE_MOST = 16, ROWS_LEAST = 48 };
+static const double late_share = 0.5, early_share = 0.125;
 
 static double ran(double ms)
 {
@@ -62,6 +65,9 @@ static void choose_stride(struct haste *h, double budget_ms)
     if (h->late >= LATE && h->stride < STRIDE_MOST) {
         h->least = 2 * h->stride < STRIDE_MOST ? 2 * h->stride : STRIDE_MOST;
         h->late = 0;
+    } else if (h->early >= EARLY) {
+        h->least /= 2;
+        h->early = 0;
     }
     k = k < h->least ? h->least : k;
     if (h->stride > 0 && k < 2 * h->stride && h->stride < 2 * k)
@@ -124,6 +130,8 @@ void haste_draft(struct haste *h, const double *forecast,
         h->seen = stage_ms[RENDERER_VISIBLE];
     if (stage_ms[RENDERER_CROSSINGS] >= 0)
         h->field = stage_ms[RENDERER_CROSSINGS];
-    if (forecast[RENDERER_VISIBLE] >= 0)
-        h->late = h->seen > 0.5 * h->budget ? h->late + 1 : 0;
+    if (forecast[RENDERER_VISIBLE] >= 0) {
+        h->late = h->seen > late_share * h->budget ? h->late + 1 : 0;
+        h->early = h->seen < early_share * h->budget ? h->early + 1 : 0;
+    }
 }

@@ -18,7 +18,8 @@ struct haste {       // zero-initialised: nothing is known
     double field;    // ms, of the newest coarse field
     double budget;   // ms, of the newest choice
     int stride;      // in use; it changes seldom: strands are built anew
-    int least, late; // that it has to be; drafts in a row with a long raster
+    int least;       // that it has to be
+    int late, early; // drafts in a row with a long, with a short raster
     struct haste_kind {
         int divisor;     // of the newest draft; 0: none yet
         double pixels;   // ms of shadow and shading, times divisor^2

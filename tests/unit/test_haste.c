@@ -112,6 +112,17 @@ static void stride(void)
     CHECK(haste_choose(&h, ms, 33, 480, &next) && next.stride == 4);
     haste_full(&h, ms); // and it stays so
     CHECK(haste_choose(&h, ms, 33, 480, &next) && next.stride == 4);
+    took[RENDERER_VISIBLE] = 4; // until the machine has nothing else to do
+    for (int k = 0; k < 8; k++) {
+        CHECK(haste_choose(&h, ms, 33, 480, &next) && next.stride == 4);
+        haste_draft(&h, ms, &next, took);
+    }
+    CHECK(haste_choose(&h, ms, 33, 480, &next) && next.stride == 2);
+    took[RENDERER_VISIBLE] = 8;
+    for (int k = 0; k < 40; k++) { // and no to and fro
+        CHECK(haste_choose(&h, ms, 33, 480, &next) && next.stride == 2);
+        haste_draft(&h, ms, &next, took);
+    }
 }
 
 static void sizes(void)
