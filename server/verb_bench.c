@@ -86,7 +86,8 @@ static bool list_scenes(struct bench *b)
 static void plot_path(const struct bench *b, const struct bench_result *r,
                       enum bench_plot which, struct buf *out)
 {
-    const char *end = strrchr(b->plot, '.');
+    const char *folder = strrchr(b->plot, '/');
+    const char *end = strrchr(folder ? folder : b->plot, '.');
     const size_t stem = end ? (size_t)(end - b->plot) : strlen(b->plot);
     buf_printf(out, "%.*s", (int)stem, b->plot);
     if (b->count > 1)
