@@ -184,6 +184,12 @@ struct engine *engine_create(struct engine_setup *setup, struct error *err)
     return NULL;
 }
 
+static bool helpers_ended(const struct engine *e)
+{
+    return (!e->loader || loader_ended(e->loader)) &&
+           (!e->judge || judge_ended(e->judge));
+}
+
 bool engine_stop(struct engine *e, int wait_ms)
 {
     int64_t until = clock_us() + (int64_t)wait_ms * 1000;
@@ -192,16 +198,16 @@ bool engine_stop(struct engine *e, int wait_ms)
     pthread_mutex_lock(&e->lock);
     e->stop = true;
     if (e->judge)
-        judge_halt(e->judge);
+        judge_stop(e->judge);
     pthread_cond_broadcast(&e->work);
     pthread_cond_broadcast(&e->change);
     while (e->started && !e->ended && engine_render_wait(e, &e->change, until))
         continue;
     bool ended = !e->started || e->ended;
     pthread_mutex_unlock(&e->lock);
-    while (e->loader && !loader_ended(e->loader) && clock_us() < until)
+    while (!helpers_ended(e) && clock_us() < until)
         usleep(10000);
-    if (!ended || (e->loader && !loader_ended(e->loader)))
+    if (!ended || !helpers_ended(e))
         return false;
     if (e->started)
         pthread_join(e->render, NULL);

@@ -21,6 +21,7 @@ struct judge {
     void (*done)(void *ctx, const struct judge_verdict *v);
     void *ctx;
     atomic_bool halted; // the case at hand is not wanted any more
+    atomic_bool ended;
     pthread_mutex_t lock;
     pthread_cond_t change;
     // Under the lock:
@@ -125,6 +126,7 @@ static void *judge_main(void *arg)
         else
             pthread_cond_wait(&j->change, &j->lock);
     pthread_mutex_unlock(&j->lock);
+    atomic_store(&j->ended, true);
     return NULL;
 }
 
@@ -185,16 +187,26 @@ void judge_settle(struct judge *j)
     pthread_mutex_unlock(&j->lock);
 }
 
-void judge_destroy(struct judge *j)
+void judge_stop(struct judge *j)
 {
-    if (!j)
-        return;
     pthread_mutex_lock(&j->lock);
     drop_waiting(j);
     j->stop = true;
     atomic_store(&j->halted, true);
     pthread_cond_broadcast(&j->change);
     pthread_mutex_unlock(&j->lock);
+}
+
+bool judge_ended(struct judge *j)
+{
+    return atomic_load(&j->ended);
+}
+
+void judge_destroy(struct judge *j)
+{
+    if (!j)
+        return;
+    judge_stop(j); // drops as well what came in after an earlier one
     pthread_join(j->thread, NULL);
     reference_destroy(j->truth);
     pthread_cond_destroy(&j->change);

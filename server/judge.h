@@ -3,8 +3,8 @@
 //
 // The figure is against all of the truth that reference.h has: the sky's
 // texels, rays against the strands, light scattered by any number of fibres.
-// Thread: render, for every function but judge_halt (any); `done` is called on
-// the judge's own thread.
+// Thread: render, for every function but judge_halt, judge_stop and judge_ended
+// (any); `done` is called on the judge's own thread.
 #ifndef SERVER_JUDGE_H
 #define SERVER_JUDGE_H
 
@@ -50,6 +50,10 @@ void judge_halt(struct judge *j);
 // Halts and returns when groom and map of any case may go: within what it
 // takes to put the strands in order, a second for a million points.
 void judge_settle(struct judge *j);
-void judge_destroy(struct judge *j); // NULL is allowed
+// Halts and hears no more; does not wait.
+void judge_stop(struct judge *j);
+// Has its thread come to its end?  On a busy machine that may take long.
+bool judge_ended(struct judge *j);
+void judge_destroy(struct judge *j); // waits for that; NULL is allowed
 
 #endif
