@@ -243,7 +243,7 @@ static bool run_setup(struct renderer *r, struct error *err)
 // What a first sample takes, stage by stage (renderer_forecast).
 static void remember_first(struct renderer *r)
 {
-    if (r->samples != 1 || r->refined)
+    if (r->samples != 1 || r->refined || r->layers.on)
         return;
     for (int i = 0; i < RENDERER_STAGES; i++)
         if (r->stats.stage_ms[i] >= 0)
