@@ -1,6 +1,7 @@
-// renderer_private.h - the renderer's inside, shared by its four files:
-// renderer.c (what is stale), renderer_setup.c (stages that set up),
-// renderer_sample.c (a sample, reading), renderer_report.c (stats).
+// renderer_private.h - the renderer's inside, shared by its files: renderer.c
+// (what is stale), renderer_setup.c (stages that set up), renderer_sample.c (a
+// sample, reading), renderer_draft.c (drafts), renderer_places.c (places for
+// comparison), renderer_report.c (stats).
 #ifndef RENDERER_RENDERER_PRIVATE_H
 #define RENDERER_RENDERER_PRIVATE_H
 

@@ -253,8 +253,13 @@ bool strands_build_axis(struct strands *s, const struct groom *g,
     strands_axes(g, s->up, axis);
     bool ok = upload(&s->axis, axis, (size_t)g->points * 4, "strand axis", err);
     free(axis);
-    s->bytes += ok ? (uint64_t)g->points * 4 : 0;
-    return ok;
+    if (!ok) {
+        gl.DeleteBuffers(1, &s->axis);
+        s->axis = 0; // not there: tried again
+        return false;
+    }
+    s->bytes += (uint64_t)g->points * 4;
+    return true;
 }
 
 void strands_widths(struct strands *s, const struct camera *c, float scale)
