@@ -4,10 +4,11 @@
 
 #include <math.h>
 #include <pthread.h>
-#include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "protocol/bytes.h"
 #include "server/clock.h"
@@ -116,9 +117,10 @@ static void hear_next(struct judge *j)
 static void *judge_main(void *arg)
 {
     struct judge *j = arg;
-    // Only where nobody else wants the processor; its helpers inherit this.
-    const struct sched_param least = {0};
-    pthread_setschedparam(pthread_self(), SCHED_IDLE, &least);
+    // About a tenth of a contended core; the threads it makes inherit this.
+    // Not the idle class: who waits in judge_settle would wait for ever on a
+    // machine that others keep busy.
+    setpriority(PRIO_PROCESS, (id_t)gettid(), 10);
     pthread_mutex_lock(&j->lock);
     while (!j->stop)
         if (j->waiting)

@@ -1,4 +1,4 @@
-// judge.h - says how wrong the resting picture is: a thread of the lowest
+// judge.h - says how wrong the resting picture is: a thread of low
 // priority traces paths at random visible places and compares.
 //
 // The figure is against all of the truth that reference.h has: the sky's
