@@ -205,7 +205,7 @@ static void defaults(struct bench *b)
     b->runs = b->runs ? b->runs : 10;
     b->seconds = b->seconds >= 0 ? b->seconds : q ? 3 : 8;
     b->places = b->places ? b->places : q ? 200 : 500;
-    b->exact = b->exact >= 0 ? b->exact : q ? 30 : 60;
+    b->exact = b->exact >= 0 ? b->exact : q ? 30 : 45;
     b->paths = b->paths ? b->paths : q ? 64 : 128;
     b->picture_paths = b->picture_paths ? b->picture_paths : q ? 4 : 16;
     b->picture_samples = b->picture_samples ? b->picture_samples : q ? 4 : 16;
