@@ -12,6 +12,7 @@
 #include "protocol/bytes.h"
 #include "renderer/dual_paper.h"
 #include "renderer/gl.h"
+#include "renderer/quadrature.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -65,20 +66,10 @@ static double theta_at(int i)
 
 static void make_rule(struct dual_tables *t)
 {
+    quadrature_legendre(NODES, t->x, t->w);
     for (int i = 0; i < NODES; i++) {
-        double x = cos(pi * (i + 0.75) / (NODES + 0.5)), slope = 1;
-        for (int turn = 0; turn < 8; turn++) { // Newton on P_n
-            double p0 = 1, p1 = x;
-            for (int k = 2; k <= NODES; k++) {
-                double p2 = ((2 * k - 1) * x * p1 - (k - 1) * p0) / k;
-                p0 = p1;
-                p1 = p2;
-            }
-            slope = NODES * (x * p1 - p0) / (x * x - 1);
-            x -= p1 / slope;
-        }
-        t->x[i] = (1 + x) / 2;
-        t->w[i] = 1 / ((1 - x * x) * slope * slope);
+        t->x[i] = (1 + t->x[i]) / 2;
+        t->w[i] /= 2;
     }
 }
 

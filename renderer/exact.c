@@ -9,6 +9,7 @@
 // panels that the lobe does not reach; the outer one is adaptive.
 // How the scene's schemes approximate all this is not known here.
 #include "renderer/exact.h"
+#include "renderer/quadrature.h"
 
 #include <assert.h>
 #include <math.h>
@@ -70,10 +71,6 @@ static double gauss_product(double d, double k1, double k2)
 }
 
 // --- quadrature -------------------------------------------------------------
-static const double gl_x[4] = {0.1834346424956498049, 0.5255324099163289858,
-                               0.7966664774136267396, 0.9602898564975362317};
-static const double gl_w[4] = {0.3626837833783619830, 0.3137066458778872874,
-                               0.2223810344533744706, 0.1012285362903762592};
 
 // Gauss-Kronrod 7-15; nodes 1, 3, 5, 7 are Gauss's.
 static const double gk_x[8] = {0.991455371120812640, 0.949107912342758525,
@@ -199,12 +196,12 @@ static double over_light(struct turned *t, double a, double b, int depth)
                over_light(t, mid, b, depth - 1);
     double sum = 0;
     for (int i = 0; i < 8; i++) {
-        double x = mid + (i < 4 ? half : -half) * gl_x[i % 4];
+        double x = mid + (i < 4 ? half : -half) * quadrature_x[i % 4];
         p->eta1 = eta_prime(eta_star(p->c, x), p);
         u = p->centre - x - turn(p, t->gamma);
         double s = sin(x / 2), v = sin(u / 2);
-        sum +=
-            gl_w[i % 4] * exp(-2 * p->kappa * s * s - 2 * p->kappa_c * v * v);
+        sum += quadrature_w[i % 4] *
+               exp(-2 * p->kappa * s * s - 2 * p->kappa_c * v * v);
     }
     return sum * half;
 }
@@ -247,9 +244,9 @@ static double over_panel(const struct path *p, double sign, const double x[2],
     }
     double sum = 0;
     for (int i = 0; i < 8; i++) {
-        double g =
-            (x[0] + x[1]) / 2 + (i < 4 ? length : -length) / 2 * gl_x[i % 4];
-        double weight = gl_w[i % 4] * cos(g) * attenuation(p, g);
+        double g = (x[0] + x[1]) / 2 +
+                   (i < 4 ? length : -length) / 2 * quadrature_x[i % 4];
+        double weight = quadrature_w[i % 4] * cos(g) * attenuation(p, g);
         if (weight <= 0)
             continue;
         sum += weight * (round ? light_lobe(p, p->centre - sign * turn(p, g))
@@ -278,9 +275,9 @@ static double over_all(const struct path *p)
     double sum = 0;
     for (int panel = 0; panel < 8; panel++)
         for (int i = 0; i < 8; i++) {
-            double x = i < 4 ? gl_x[i] : -gl_x[i - 4];
+            double x = i < 4 ? quadrature_x[i] : -quadrature_x[i - 4];
             double g = pi / 16 * (panel + 0.5 + x / 2);
-            sum += gl_w[i % 4] * cos(g) * attenuation(p, g);
+            sum += quadrature_w[i % 4] * cos(g) * attenuation(p, g);
         }
     return sum * pi / 32;
 }

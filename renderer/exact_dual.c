@@ -13,6 +13,7 @@
 #include <stdlib.h>
 
 #include "protocol/bytes.h"
+#include "renderer/quadrature.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -33,17 +34,6 @@ struct exact_dual {
 };
 
 // --- the smoothing Gaussian -------------------------------------------------
-static const double gl_x[4] = {0.1834346424956498049, 0.5255324099163289858,
-                               0.7966664774136267396, 0.9602898564975362317};
-static const double gl_w[4] = {0.3626837833783619830, 0.3137066458778872874,
-                               0.2223810344533744706, 0.1012285362903762592};
-
-// Node i of eight on [a, b]; *w gets its weight.
-static double node(double a, double b, int i, double *w)
-{
-    *w = gl_w[i % 4] * (b - a) / 2;
-    return (a + b) / 2 + (i < 4 ? b - a : a - b) / 2 * gl_x[i % 4];
-}
 
 static double lobe(const struct exact_dual *e, double x)
 {
@@ -78,7 +68,8 @@ static void fill_lobe(struct exact_dual *e)
     for (int i = 0; i < STEPS; i++) {
         e->within[i + 1] = e->within[i];
         for (int k = 0; k < 8; k++) {
-            double x = node(pi * i / STEPS, pi * (i + 1) / STEPS, k, &w);
+            double x =
+                quadrature_node(pi * i / STEPS, pi * (i + 1) / STEPS, k, &w);
             e->within[i + 1] += w * lobe(e, x);
         }
     }
@@ -86,7 +77,8 @@ static void fill_lobe(struct exact_dual *e)
     for (int i = 0; i < STEPS; i++) {
         e->forward[i + 1] = e->forward[i];
         for (int k = 0; k < 8; k++) {
-            double x = node(pi * i / STEPS, pi * (i + 1) / STEPS, k, &w);
+            double x =
+                quadrature_node(pi * i / STEPS, pi * (i + 1) / STEPS, k, &w);
             double ahead = within(e, x) + within(e, pi - x);
             e->forward[i + 1] += w * (2 * ahead - 1) / pi;
         }
@@ -156,8 +148,8 @@ static void energies(const struct section *s, double *all, double *ahead)
     *all = *ahead = 0;
     for (int panel = 0; panel < GAMMAS; panel++)
         for (int i = 0; i < 8; i++) {
-            double g = node(pi / 2 * panel / GAMMAS,
-                            pi / 2 * (panel + 1) / GAMMAS, i, &w);
+            double g = quadrature_node(pi / 2 * panel / GAMMAS,
+                                       pi / 2 * (panel + 1) / GAMMAS, i, &w);
             double a = w * amount(s, g);
             *all += a;
             *ahead += a * forward(s, turn(s, g));
@@ -302,8 +294,9 @@ static double between(const struct section *s, double from, double to)
     double sum = 0, w;
     for (int panel = 0; panel < PANELS && from < to; panel++)
         for (int i = 0; i < 8; i++) {
-            double g = node(from + (to - from) * panel / PANELS,
-                            from + (to - from) * (panel + 1) / PANELS, i, &w);
+            double g = quadrature_node(
+                from + (to - from) * panel / PANELS,
+                from + (to - from) * (panel + 1) / PANELS, i, &w);
             sum += w * amount(s, g);
         }
     return sum;
@@ -340,8 +333,8 @@ static double half_circle(const struct section *s, double phi)
     int panels = (int)fmin(8 + 8 / s->e->c.w_c, 1000);
     for (int panel = 0; panel < panels; panel++)
         for (int i = 0; i < 8; i++) {
-            double g = node(pi / 2 * panel / panels,
-                            pi / 2 * (panel + 1) / panels, i, &w);
+            double g = quadrature_node(pi / 2 * panel / panels,
+                                       pi / 2 * (panel + 1) / panels, i, &w);
             double at = turn(s, g);
             double seen =
                 within(s->e, x - at + pi / 2) - within(s->e, x - at - pi / 2) +
@@ -421,8 +414,8 @@ static double arc(double kappa, double a, double b)
     b = fmin(b, reach);
     for (int panel = 0; panel < 32 && a < b; panel++)
         for (int i = 0; i < 8; i++) {
-            double t = node(a + (b - a) * panel / 32,
-                            a + (b - a) * (panel + 1) / 32, i, &w);
+            double t = quadrature_node(a + (b - a) * panel / 32,
+                                       a + (b - a) * (panel + 1) / 32, i, &w);
             double h = sin(t / 2);
             sum += w * exp(-2 * kappa * h * h);
         }

@@ -6,6 +6,7 @@
 
 #include "renderer/exact.h"
 #include "renderer/fibre_private.h"
+#include "renderer/quadrature.h"
 
 static const double pi = 3.14159265358979323846;
 #define REACH 4.8 // Xu widths at which the smoothing lobe is below 1e-10
@@ -49,11 +50,6 @@ void fibre_exact_tt(const struct fibre_section *s, double phi, double n[3])
 
 // --- TRT: 1/2 Int A(h) g(phi - phi(h)) dh, h = sin gamma --------------------
 
-static const double gl_x[4] = {0.1834346424956498049, 0.5255324099163289858,
-                               0.7966664774136267396, 0.9602898564975362317};
-static const double gl_w[4] = {0.3626837833783619830, 0.3137066458778872874,
-                               0.2223810344533744706, 0.1012285362903762592};
-
 static double kernel(double kappa, double x)
 {
     const double sn = sin(x / 2);
@@ -95,14 +91,14 @@ static void panel(const struct smoothed *m, const double gamma[2],
         return;
     }
     for (int i = 0; i < 8; i++) {
-        const double g = mid + (i < 4 ? half : -half) * gl_x[i % 4];
+        const double g = mid + (i < 4 ? half : -half) * quadrature_x[i % 4];
         const double t = fibre_section_turn(m->s, 2, g);
         const double lobe =
             kernel(m->kappa, m->phi - t) + kernel(m->kappa, m->phi + t);
         double a[3];
         fibre_section_carry(m->s, 2, g, a);
         for (int c = 0; c < 3; c++)
-            m->n[c] += gl_w[i % 4] * half * cos(g) * lobe * a[c];
+            m->n[c] += quadrature_w[i % 4] * half * cos(g) * lobe * a[c];
     }
 }
 
@@ -159,12 +155,12 @@ void fibre_exact_row(const struct fibre_section *s, int columns, double *row)
     const double half = pi / 4 / panels, norm = kernel_norm(kappa) / 2;
     for (int i = 0; i < 8 * panels; i++) {
         const int k = i % 8;
-        const double x = k < 4 ? gl_x[k] : -gl_x[k - 4];
+        const double x = k < 4 ? quadrature_x[k] : -quadrature_x[k - 4];
         const double g = half * (2 * (i / 8) + 1 + x);
         double a[3];
         fibre_section_carry(s, 2, g, a);
         for (int c = 0; c < 3; c++)
-            a[c] *= gl_w[k % 4] * half * cos(g) * norm;
+            a[c] *= quadrature_w[k % 4] * half * cos(g) * norm;
         deposit(row, columns, kappa, fmin(REACH * w, pi),
                 fibre_section_turn(s, 2, g), a);
     }

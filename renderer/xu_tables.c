@@ -10,6 +10,7 @@
 
 #include "protocol/bytes.h"
 #include "renderer/gl.h"
+#include "renderer/quadrature.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -18,27 +19,6 @@ enum { NODES = 32, POWERS = 6 };
 struct rule { // on [-1, 1]
     double x[NODES], w[NODES];
 };
-
-static struct rule gauss_legendre(void)
-{
-    struct rule r;
-    for (int i = 0; i < NODES; i++) {
-        double x = cos(pi * (i + 0.75) / (NODES + 0.5)), slope = 1;
-        for (int turn = 0; turn < 8; turn++) { // Newton on P_n
-            double p0 = 1, p1 = x;
-            for (int k = 2; k <= NODES; k++) {
-                double p2 = ((2 * k - 1) * x * p1 - (k - 1) * p0) / k;
-                p0 = p1;
-                p1 = p2;
-            }
-            slope = NODES * (x * p1 - p0) / (x * x - 1);
-            x -= p1 / slope;
-        }
-        r.x[i] = x;
-        r.w[i] = 2 / ((1 - x * x) * slope * slope);
-    }
-    return r;
-}
 
 // --- C_k --------------------------------------------------------------------
 // One lambda'.  A narrow light sees a window of x, whose nodes serve every Phi
@@ -185,7 +165,8 @@ struct xu_tables *xu_tables_create(int times)
     for (int i = 0; i < XU_TABLES_UNITS; i++)
         t->rgba[i] = bytes_zalloc(i == XU_TABLES_COSINE ? 8 * cells : 4 * cells,
                                   sizeof(float));
-    struct rule rule = gauss_legendre();
+    struct rule rule;
+    quadrature_legendre(NODES, rule.x, rule.w);
     make_cosine(t, &rule);
     for (int row = 0; row < t->rows; row++)
         make_row(t, &rule, row);

@@ -15,6 +15,7 @@
 #include "renderer/sky.h"
 #include "server/cache.h"
 #include "server/options.h"
+#include "server/file.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -237,24 +238,6 @@ static void make_pictures(const struct fit *f, struct pictures *p)
         }
 }
 
-// Whole or not at all: a file beside it, renamed when complete.
-static bool write_file(const char *path, const struct buf *bytes,
-                       struct error *err)
-{
-    char part[4200];
-    snprintf(part, sizeof part, "%s.part", path);
-    FILE *f = fopen(part, "wb");
-    bool ok = f && fwrite(bytes->data, 1, bytes->size, f) == bytes->size;
-    if (f)
-        ok = fclose(f) == 0 && ok;
-    ok = ok && rename(part, path) == 0;
-    if (ok)
-        return true;
-    error_set(err, "file", path, "%.200s: %s", path, strerror(errno));
-    unlink(part);
-    return false;
-}
-
 static bool write_picture(const struct fit *f, const struct pictures *p,
                           const char *what, const float *rgba,
                           struct error *err)
@@ -277,7 +260,7 @@ static bool write_picture(const struct fit *f, const struct pictures *p,
                                        &layer,   1,         text};
     struct buf bytes = {0};
     bool ok =
-        encode_exr(&bytes, &picture, err) && write_file(path, &bytes, err);
+        encode_exr(&bytes, &picture, err) && file_write(path, &bytes, err);
     buf_finish(&bytes);
     return ok;
 }

@@ -15,6 +15,7 @@
 #include "server/options.h"
 #include "server/still.h"
 #include "server/verb_reference.h"
+#include "server/file.h"
 
 // By the name's end; -1: none that we write.
 static int format_of(const char *path)
@@ -33,28 +34,6 @@ static int format_of(const char *path)
             return ends[i].format;
     }
     return -1;
-}
-
-// Whole or not at all: a file beside it, renamed when complete.
-static bool write_file(const char *path, const struct buf *bytes,
-                       struct error *err)
-{
-    struct buf name = {0};
-    buf_printf(&name, "%s.%ld.part%c", path, (long)getpid(), 0);
-    const char *part = (const char *)name.data;
-    FILE *f = fopen(part, "wb");
-    bool ok = f != NULL;
-    if (ok) {
-        ok = fwrite(bytes->data, 1, bytes->size, f) == bytes->size;
-        ok = fclose(f) == 0 && ok;
-        ok = ok && rename(part, path) == 0;
-        if (!ok)
-            unlink(part);
-    }
-    if (!ok)
-        error_set(err, "file", path, "%s: %s", path, strerror(errno));
-    buf_finish(&name);
-    return ok;
 }
 
 static bool open_scene(struct renderer *r, const struct options *o,
@@ -142,7 +121,7 @@ static int render(const struct options *o, const struct wanted *want)
         q.how = still_encoding_of(&o->params);
         q.how.format = want->format;
         q.how.layers = want->layers;
-        ok = still_encode(&out, r, &q, &err) && write_file(o->out, &out, &err);
+        ok = still_encode(&out, r, &q, &err) && file_write(o->out, &out, &err);
     }
     if (ok && want->verbose)
         report(r, total_ms, &q, out.size);
@@ -158,7 +137,7 @@ static int render_reference(const struct options *o,
     struct error err = {0};
     struct buf out = {0};
     bool ok = verb_reference_run(o, how, &out, &err) &&
-              write_file(o->out, &out, &err);
+              file_write(o->out, &out, &err);
     buf_finish(&out);
     return ok ? 0 : options_fail(&err);
 }
