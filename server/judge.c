@@ -13,9 +13,11 @@
 #include "protocol/bytes.h"
 #include "server/clock.h"
 
-// Paths a place, first and in all: after the first a figure can be shown; the
-// rest makes their noise small against errors of a percent.
+// Paths a place, first and in all: after the first a figure can be shown.  They
+// say what was scattered several times; light scattered once is summed over the
+// sky, with far less noise.
 static const int rounds[] = {16, JUDGE_PATHS};
+enum { BATCH = 16 }; // places summed between two looks at `halted`
 
 struct judge {
     pthread_t thread;
@@ -42,7 +44,8 @@ static bool go_on(void *self, const struct reference_progress *p)
 }
 
 static void compare(const struct judge_case *c,
-                    const struct reference_estimate *truth,
+                    const struct reference_single *once,
+                    const struct reference_estimate *paths,
                     struct judge_verdict *v)
 {
     double *x = bytes_alloc(9 * c->count * sizeof *x);
@@ -50,8 +53,8 @@ static void compare(const struct judge_case *c,
     for (size_t i = 0; i < c->count; i++)
         for (size_t k = 0; k < 3; k++) {
             x[3 * i + k] = (double)c->places[i].radiance[k];
-            r[3 * i + k] = truth[i].whole[k];
-            variance[3 * i + k] = truth[i].whole_variance[k];
+            r[3 * i + k] = once[i].sum[k] + paths[i].multiple[k];
+            variance[3 * i + k] = paths[i].multiple_variance[k];
         }
     struct metric_errors e;
     metric_errors(&(struct metric_pairs){c->count, x, r, variance}, &e);
@@ -63,10 +66,24 @@ static void compare(const struct judge_case *c,
     free(x);
 }
 
+static bool sum_once(struct judge *j, const struct judge_case *c,
+                     struct reference_single *once)
+{
+    for (size_t i = 0; i < c->count && !atomic_load(&j->halted); i += BATCH) {
+        const size_t left = c->count - i;
+        reference_single(j->truth, c->places + i, left < BATCH ? left : BATCH,
+                         0, c->revision + i, once + i);
+    }
+    return !atomic_load(&j->halted);
+}
+
 static void weigh(struct judge *j, const struct judge_case *c, int64_t began)
 {
     struct reference_estimate *e = bytes_alloc(c->count * sizeof *e);
-    for (size_t i = 0; i < sizeof rounds / sizeof *rounds; i++) {
+    struct reference_single *once = bytes_alloc(c->count * sizeof *once);
+    const size_t count =
+        sum_once(j, c, once) ? sizeof rounds / sizeof *rounds : 0;
+    for (size_t i = 0; i < count; i++) {
         const struct reference_paths how = {.samples = rounds[i],
                                             .seed = c->revision,
                                             .progress = go_on,
@@ -77,12 +94,13 @@ static void weigh(struct judge *j, const struct judge_case *c, int64_t began)
                                   .places = (int)c->count,
                                   .paths = rounds[i],
                                   .memory = reference_bytes(j->truth)};
-        compare(c, e, &v);
+        compare(c, once, e, &v);
         v.seconds = (double)(clock_us() - began) / 1e6;
         // A black truth has no relative error.
         if (isfinite(v.value) && !atomic_load(&j->halted))
             j->done(j->ctx, &v);
     }
+    free(once);
     free(e);
 }
 
