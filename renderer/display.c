@@ -1,10 +1,13 @@
 // display.c - the last pass, and its read-back through a mapped buffer.
 #include "renderer/display.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "renderer/gl.h"
 #include "renderer/program.h"
+
+enum { ROWS = 8 }; // display.comp
 
 void display_init(struct display *d)
 {
@@ -84,20 +87,25 @@ static void upload_sky(struct display *d, const struct sky_map *map)
 }
 
 bool display_draw(struct display *d, const struct params *p,
-                  const struct sky_map *map, int samples, struct error *err)
+                  const struct display_input *in, struct error *err)
 {
     const int background = p->view.background;
     if (!pixels(d, p, err) || !program(d, background, err))
         return false;
     if (background == 2) {
-        upload_sky(d, map);
+        upload_sky(d, in->map);
         gl.BindTextureUnit(0, d->sky);
     }
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 11, d->pixels);
     gl.UseProgram(d->program[background]);
-    gl.ProgramUniform1f(d->program[background], 0,
-                        samples > 0 ? 1 / (float)samples : 0);
-    gl_dispatch(d->size / 4);
+    const float share = in->samples > 0 ? 1 / (float)in->samples : 0;
+    const float *t = in->tint;
+    gl.ProgramUniform4f(d->program[background], 0, share * t[0], share * t[1],
+                        share * t[2], share);
+    gl.ProgramUniform4f(d->program[background], 1, t[0], t[1], t[2],
+                        exp2f(p->view.exposure));
+    gl.DispatchCompute(((GLuint)p->image.width + 63) / 64,
+                       ((GLuint)p->image.height + ROWS - 1) / ROWS, 1);
     gl.MemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
     return true;
 }

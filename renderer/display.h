@@ -25,10 +25,15 @@ void display_init(struct display *d);
 void display_finish(struct display *d);
 void display_forget_sky(struct display *d);
 
-// Draws picture_*'s sums (already bound to 9 and 10) of `samples` samples.
-// The caller's scene, parameter and light blocks are bound.
+struct display_input {
+    const struct sky_map *map;
+    int samples;       // in the sums
+    const float *tint; // 3: what sums and lights have yet to be multiplied by
+};
+// Draws picture_*'s sums (already bound to 9 and 10).  The caller's scene,
+// parameter and light blocks are bound.
 bool display_draw(struct display *d, const struct params *p,
-                  const struct sky_map *map, int samples, struct error *err);
+                  const struct display_input *in, struct error *err);
 // After the GPU is done.
 void display_read(const struct display *d, struct buf *out);
 

@@ -146,13 +146,18 @@ int lights_suns(const struct params *p, struct lights_sun out[LIGHTS_SUNS])
 }
 
 void lights_tint(struct lights *l, const struct sky_fit *fit,
-                 const struct params *p)
+                 const struct params *p, bool apart)
 {
     struct block_std140 block = {0};
     struct sun sun[LIGHTS_SUNS];
-    const double gain = exp2(p->tint.exposure);
+    double tint[3];
     const int sky = l->used - l->suns;
     suns_of(p, sun);
+    for (int c = 0; c < 3; c++) {
+        tint[c] = exp2(p->tint.exposure) * (double)p->tint.colour[c];
+        l->tint[c] = apart ? (float)tint[c] : 1;
+        tint[c] = apart ? 1 : tint[c];
+    }
     for (int j = 0; j < l->used; j++) {
         struct light_std140 *out = &block.light[j];
         const double lambda = (double)l->place[j].lambda;
@@ -161,11 +166,10 @@ void lights_tint(struct lights *l, const struct sky_fit *fit,
         out->place[3] = l->place[j].lambda;
         out->radiance[3] = (float)omega;
         for (int c = 0; c < 3; c++)
-            out->radiance[c] = j < sky
-                                   ? (float)(fit->light[j].radiance[c] * gain *
-                                             (double)p->tint.colour[c])
-                                   : (float)(sun[j - sky].strength / omega *
-                                             sun[j - sky].colour[c]);
+            out->radiance[c] =
+                j < sky ? (float)(fit->light[j].radiance[c] * tint[c])
+                        : (float)(sun[j - sky].strength / omega *
+                                  sun[j - sky].colour[c]);
     }
     block.count = (uint32_t)l->used;
     gl.NamedBufferSubData(l->block, 0, sizeof block, &block);

@@ -27,6 +27,7 @@ struct lights {
     int used, fitted, suns; // used: sky lights and suns; suns come last
     double dropped_share;   // of the sky's light, mean over channels
     float to_map[9];        // row-major: world direction -> map direction
+    float tint[3];          // the block times this is what shines
 };
 
 // Map direction -> world direction, row-major.  Thread: any.
@@ -49,8 +50,9 @@ void lights_finish(struct lights *l);
 bool lights_put(struct lights *l, const struct sky_fit *fit,
                 const struct params *p);
 // How bright they are: the fit's radiances times tint.*, the suns' colours.
-// Uploads the block.  After lights_put.
+// apart: the sky's tint is kept apart, as the factor `tint`, which is one
+// otherwise.  Uploads the block.  After lights_put.
 void lights_tint(struct lights *l, const struct sky_fit *fit,
-                 const struct params *p);
+                 const struct params *p, bool apart);
 
 #endif

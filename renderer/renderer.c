@@ -17,6 +17,8 @@ struct stage {
     uint32_t groups;        // parameter groups read
     uint32_t after;         // stages whose output is read
 };
+// Besides: where the tint is not a factor of the whole (renderer_tint_apart),
+// `shade` reads it.
 
 #define BIT(x) (1u << (x))
 #define SUNS (BIT(GROUP_sun1) | BIT(GROUP_sun2) | BIT(GROUP_sun3))
@@ -43,11 +45,11 @@ static const struct stage stages[RENDERER_STAGES] = {
     [RENDERER_SHADOW] = {"shadow", NULL, 0,
                          BIT(RENDERER_CROSSINGS) | BIT(RENDERER_VISIBLE)},
     [RENDERER_SHADE] = {"shade", NULL, 0,
-                        BIT(RENDERER_LIGHT) | BIT(RENDERER_TINT) |
-                            BIT(RENDERER_FIBRE) | BIT(RENDERER_SHADOW)},
+                        BIT(RENDERER_LIGHT) | BIT(RENDERER_FIBRE) |
+                            BIT(RENDERER_SHADOW)},
     [RENDERER_RESOLVE] = {"resolve", NULL, 0, BIT(RENDERER_SHADE)},
     [RENDERER_DISPLAY] = {"display", NULL, BIT(GROUP_view),
-                          BIT(RENDERER_RESOLVE)},
+                          BIT(RENDERER_TINT) | BIT(RENDERER_RESOLVE)},
     [RENDERER_READ] = {"read", NULL, 0, BIT(RENDERER_DISPLAY)},
 };
 
@@ -133,6 +135,8 @@ static void restart(struct renderer *r, bool refined)
 void renderer_mark(struct renderer *r, enum renderer_stage first)
 {
     uint32_t marked = BIT(first);
+    if (first == RENDERER_TINT && !renderer_tint_apart(&r->params))
+        marked |= BIT(RENDERER_SHADE);
     for (int i = (int)first + 1; i < RENDERER_STAGES; i++)
         if (stages[i].after & marked)
             marked |= BIT(i);
@@ -173,9 +177,10 @@ bool renderer_set_sky(struct renderer *r, struct sky_map *m, struct error *err)
     return true;
 }
 
-void renderer_set_params(struct renderer *r, const struct params *p)
+bool renderer_set_params(struct renderer *r, const struct params *p)
 {
     struct params before = r->params;
+    const bool had = r->samples > 0 || r->draft.shown;
     egl_use(r->egl);
     // More samples only continue a picture; fewer begin it anew.
     if (p->quality.samples < r->samples)
@@ -185,9 +190,22 @@ void renderer_set_params(struct renderer *r, const struct params *p)
     before.quality.draft_ms = p->quality.draft_ms;
     uint32_t changed = params_changed(&before, p);
     r->params = *p;
+    for (int i = 0; changed != 0 && i < RENDERER_STAGES; i++)
+        r->stats.stage_ms[i] = -1; // of another state
     for (int i = 0; i < RENDERER_STAGES; i++)
         if (stages[i].groups & changed)
             renderer_mark(r, (enum renderer_stage)i);
+    if (renderer_tint_apart(&before) != renderer_tint_apart(p))
+        renderer_mark(r, RENDERER_TINT);
+    return had && r->samples == 0 && !r->draft.shown;
+}
+
+// Who has samples, or a draft, has lights too.
+void renderer_freshen_tint(struct renderer *r)
+{
+    if (r->stale[RENDERER_LIGHT])
+        return;
+    renderer_run_setup(r, RENDERER_TINT, NULL); // does not fail
 }
 
 bool renderer_layers_on(struct renderer *r, struct error *err)

@@ -83,9 +83,11 @@ bool renderer_set_groom(struct renderer *r, struct groom *g, struct error *err);
 bool renderer_set_sky(struct renderer *r, struct sky_map *m, struct error *err);
 
 // Values as they passed the table's checks.  Marks what reads a changed group
-// as stale; does no work.  The picture starts anew when anything but `view` or
-// `output` changed.
-void renderer_set_params(struct renderer *r, const struct params *p);
+// as stale; does no work.  True when samples or a draft were lost, because the
+// picture starts anew: not where only `view` or `output` changed, nor where
+// `tint` is a factor of the whole (no sun shines and light is shown); those
+// take effect when the picture is read.
+bool renderer_set_params(struct renderer *r, const struct params *p);
 
 // One step.  *done is true when the picture is final (samples_wanted reached).
 // With shadow.rays the first step gives a picture with the smooth shadow field;

@@ -278,6 +278,7 @@ bool renderer_draft_read(struct renderer *r, struct buf *out, struct error *err)
     struct params p = draft_params(r, d->how.divisor);
     struct buf small = {0};
     float values[512];
+    renderer_freshen_tint(r);
     glsl_params_values(&r->params, values);
     gl.NamedBufferSubData(r->shading.params, 0, 16 * params_row_count, values);
     timer_begin(t, RENDERER_DISPLAY, "display");
@@ -288,7 +289,8 @@ bool renderer_draft_read(struct renderer *r, struct buf *out, struct error *err)
     exchange(r);
     lend(&r->picture, &d->picture);
     lend_display(&d->display, &r->display);
-    bool ok = display_draw(&d->display, &p, r->map, 1, err);
+    const struct display_input in = {r->map, 1, r->lights.tint};
+    bool ok = display_draw(&d->display, &p, &in, err);
     timer_end(t, RENDERER_DISPLAY);
     ok = ok && renderer_wait_for_gpu("display", err);
     lend_display(&r->display, &d->display);

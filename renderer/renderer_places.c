@@ -123,7 +123,7 @@ static void fill(const struct renderer *r, const uint32_t *axis,
         out->position[k] = (double)g->position[k];
         out->tangent[k] = (double)g->tangent[k];
         out->to_eye[k] = (double)r->camera.eye[k] - out->position[k];
-        out->radiance[k] = g->radiance[k];
+        out->radiance[k] = g->radiance[k] * r->lights.tint[k];
         n += out->to_eye[k] * out->to_eye[k];
     }
     for (int k = 0; k < 3; k++)
@@ -160,6 +160,7 @@ bool renderer_places(struct renderer *r, size_t want, uint64_t seed,
     egl_use(r->egl);
     if (!ready(r, err))
         return false;
+    renderer_freshen_tint(r);
     const size_t pixels = (size_t)r->picture.width * (size_t)r->picture.height;
     uint32_t *map = bytes_alloc(pixels * sizeof *map);
     gl.GetNamedBufferSubData(r->picture.map, 0,

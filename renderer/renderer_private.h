@@ -77,6 +77,11 @@ bool renderer_wait_for_gpu(const char *doing, struct error *err);
 void renderer_mark(struct renderer *r, enum renderer_stage first);
 // The words of render.path.
 enum { RENDERER_DIRECT, RENDERER_FORWARD, RENDERER_TABLE };
+// Is the sky's tint a common factor of all that is summed, to be multiplied by
+// where sums and cells are read?  Then an edit of it shades nothing.
+bool renderer_tint_apart(const struct params *p);
+// Before anything is read: an edit of such a tint asks for no step.
+void renderer_freshen_tint(struct renderer *r);
 // True when shadows are asked for and there is light to be shadowed.
 bool renderer_shadowed(const struct renderer *r);
 // ... and they come from depth maps, not from the field of crossings.

@@ -274,6 +274,7 @@ bool renderer_read_display(struct renderer *r, struct buf *out,
         return renderer_draft_read(r, out, err);
     if (r->samples == 0)
         return error_set(err, "state", "image", "nothing is rendered yet");
+    renderer_freshen_tint(r);
     // The parameter block may be older than view.*, which it also holds.
     float values[512];
     glsl_params_values(&r->params, values);
@@ -281,7 +282,8 @@ bool renderer_read_display(struct renderer *r, struct buf *out,
     renderer_bind_scene(r, r->samples - 1);
     timer_begin(t, RENDERER_DISPLAY, "display");
     picture_bind(&r->picture);
-    bool drawn = display_draw(&r->display, &r->params, r->map, r->samples, err);
+    const struct display_input in = {r->map, r->samples, r->lights.tint};
+    bool drawn = display_draw(&r->display, &r->params, &in, err);
     timer_end(t, RENDERER_DISPLAY);
     if (!drawn || !renderer_wait_for_gpu("display", err))
         return false;
@@ -293,6 +295,15 @@ bool renderer_read_display(struct renderer *r, struct buf *out,
     return true;
 }
 
+// What is summed knows no tint that is apart.
+static void tint(struct renderer *r, float *rgba, size_t pixels)
+{
+    renderer_freshen_tint(r);
+    for (size_t i = 0; i < 4 * pixels; i += 4)
+        for (size_t c = 0; c < 3; c++)
+            rgba[i + c] *= r->lights.tint[c];
+}
+
 bool renderer_read_linear(struct renderer *r, struct buf *out,
                           struct error *err)
 {
@@ -301,8 +312,9 @@ bool renderer_read_linear(struct renderer *r, struct buf *out,
     if (r->samples == 0)
         return error_set(err, "state", "image", "nothing is rendered yet");
     const size_t n = (size_t)r->picture.width * (size_t)r->picture.height;
-    picture_read_sum(&r->picture, (float *)(void *)buf_grow(out, 16 * n),
-                     r->samples);
+    float *rgba = (float *)(void *)buf_grow(out, 16 * n);
+    picture_read_sum(&r->picture, rgba, r->samples);
+    tint(r, rgba, n);
     return gl_check("read-back", err);
 }
 
@@ -314,7 +326,8 @@ bool renderer_read_layer(struct renderer *r, int layer, struct buf *out,
     if (r->samples == 0 || !r->layers.on)
         return error_set(err, "state", "layers", "no layers are rendered yet");
     const size_t n = (size_t)r->picture.width * (size_t)r->picture.height;
-    layers_read(&r->layers, layer, &r->picture,
-                (float *)(void *)buf_grow(out, 16 * n), r->samples);
+    float *rgba = (float *)(void *)buf_grow(out, 16 * n);
+    layers_read(&r->layers, layer, &r->picture, rgba, r->samples);
+    tint(r, rgba, n);
     return gl_check("read-back", err);
 }

@@ -31,8 +31,15 @@ bool renderer_setup_light(struct renderer *r, struct error *err)
 bool renderer_setup_tint(struct renderer *r, struct error *err)
 {
     (void)err;
-    lights_tint(&r->lights, &r->fit, &r->params);
+    lights_tint(&r->lights, &r->fit, &r->params,
+                renderer_tint_apart(&r->params));
     return true;
+}
+
+bool renderer_tint_apart(const struct params *p)
+{
+    struct lights_sun sun[LIGHTS_SUNS];
+    return lights_suns(p, sun) == 0 && shading_adds_up(p);
 }
 
 bool renderer_shadowed(const struct renderer *r)

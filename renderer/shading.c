@@ -137,6 +137,11 @@ static void choose_components(struct shading *s, int shown)
     s->adds_up = shown <= LAST_LIGHT;
 }
 
+bool shading_adds_up(const struct params *p)
+{
+    return p->render.components <= LAST_LIGHT;
+}
+
 static void update_lobes(struct shading *s, const struct params *p)
 {
     const struct best_fibre f = {

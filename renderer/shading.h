@@ -55,6 +55,8 @@ void shading_update(struct shading *s, const struct params *p,
 void shading_show(struct shading *s, const struct params *p,
                   const struct strands *strands, int components);
 bool shading_wants_axis(const struct params *p);
+// Is what is shown a sum over lights, each times its radiance?
+bool shading_adds_up(const struct params *p);
 
 struct shading_sample {
     int part; // of the list of cells, as picture_prepare had it

@@ -11,8 +11,9 @@
 #include "renderer/encode.h"
 #include "server/clock.h"
 
-// What changes these leaves the picture's samples as they are (renderer.h).
-#define KEEPS_PICTURE (1u << GROUP_view | 1u << GROUP_output)
+// What changes these leaves the picture's samples as they are, and the tint's
+// group where the renderer says so (renderer.h).
+#define KEEPS_PICTURE (1u << GROUP_view | 1u << GROUP_output | 1u << GROUP_tint)
 
 static void restart(struct studio *s)
 {
@@ -67,9 +68,9 @@ void studio_close(struct studio *s)
 
 static void set(struct studio *s, const struct params *p)
 {
-    if (params_changed(&s->set, p) & ~KEEPS_PICTURE)
+    const bool other = (params_changed(&s->set, p) & ~KEEPS_PICTURE) != 0;
+    if (renderer_set_params(s->renderer, p) || other)
         restart(s);
-    renderer_set_params(s->renderer, p);
     s->set = *p;
 }
 
@@ -208,6 +209,9 @@ bool studio_turn(struct studio *s, const struct studio_wish *w,
         set(s, &w->params);
         s->live_revision = w->revision;
         s->live = true;
+        // Its samples hold for the new state too: shown at once, then refined.
+        if (s->samples > 0)
+            return true;
     }
     // A draft stays for now, or is made now.
     if (only_drafted(s) ? clock_us() < rests_from(s, w) : draft(s, w))
@@ -236,7 +240,8 @@ static void stages(const struct studio *s, struct studio_frame *f)
     renderer_stats(s->renderer, &stats);
     for (int i = 0; i < RENDERER_STAGES; i++) {
         // Without a step since the last frame only these ran.
-        bool ran = s->stepped || i == RENDERER_DISPLAY || i == RENDERER_READ;
+        bool ran = s->stepped || i == RENDERER_TINT || i == RENDERER_DISPLAY ||
+                   i == RENDERER_READ;
         f->stage_ms[i] = ran ? stats.stage_ms[i] : -1;
     }
     f->path = stats.path;

@@ -1,32 +1,37 @@
 #version 450 core
 // The display picture: hair over head over background, exposure, tone curve,
-// 8 bits straight alpha.
+// 8 bits straight alpha.  An invocation does a few pixels of a column: first
+// hair before a plain background, then again those of them where more is seen.
+// (A renderer on a CPU runs both sides of a branch, but a loop's turns only
+// where there are any.)
 #include "scene.glsl"
 #include "lights.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 9) readonly buffer Sum { vec4 sum[]; };
 layout(std430, binding = 10) readonly buffer Head { float head[]; };
 layout(std430, binding = 11) writeonly buffer Display { uint display[]; };
-layout(location = 0) uniform float inverse_samples;
+layout(location = 0) uniform vec4 scale; // of sum: rgb the sky's tint / samples
+layout(location = 1) uniform vec4 tint;  // rgb of the sky's light; w: exposure
 #ifdef BACKGROUND_SKY
 layout(binding = 0) uniform sampler2D sky;
 #endif
 
 const float PI = 3.14159265;
+const uint ROWS = 8u; // of an invocation; display.c dispatches for so many
 
 // Irradiance of one SRBF light at a normal: exact for a narrow lobe, softened
 // at the terminator for a wide one.  Only scenery: no hair reads it.
-vec3 head_radiance(vec3 n)
+vec3 head_radiance(vec3 n, uint lights_here)
 {
     vec3 e = vec3(0.0);
-    for (uint j = 0u; j < light_count; j++) {
+    for (uint j = 0u; j < lights_here; j++) {
         float c = dot(n, lights[j].place.xyz);
         float soft = 0.5 * lights[j].place.w;
         float lit = 0.5 * (c + sqrt(c * c + soft * soft)) /
                     sqrt(1.0 + 0.25 * soft * soft);
         e += lights[j].radiance.rgb * lights[j].radiance.w * lit;
     }
-    return e * (0.09 / PI); // a dark neutral albedo
+    return e * tint.rgb * (0.09 / PI); // a dark neutral albedo
 }
 
 vec3 ray_of(vec2 pixel)
@@ -68,25 +73,42 @@ vec3 curve(vec3 x)
                lessThanEqual(x, vec3(0.0031308)));
 }
 
-void main()
+// behind: seen where a is less than one.
+uint shown(vec3 c, float a, vec3 behind)
 {
-    uint row = gl_NumWorkGroups.x * 64u, width = uint(size.x);
-    uint at = gl_GlobalInvocationID.x + gl_WorkGroupID.y * row;
-    if (at >= width * uint(size.y))
-        return;
-    vec4 hair = sum[at] * inverse_samples;
-    vec3 ray = ray_of(vec2(at % width, at / width));
-    vec3 c = hair.rgb;
-    float a = hair.a;
-    float h = view_head == 1 ? head[at] * inverse_samples : 0.0;
-    if (h > 0.0) {
-        c += h * head_radiance(head_normal(ray));
-        a += h;
-    }
 #ifndef BACKGROUND_NONE
-    c += (1.0 - a) * background(ray);
+    c += (1.0 - a) * behind;
     a = 1.0;
 #endif
     c = a > 0.0 ? c / a : vec3(0.0); // PNG's alpha is straight
-    display[at] = packUnorm4x8(vec4(curve(c * exp2(view_exposure)), a));
+    return packUnorm4x8(vec4(curve(c * tint.w), a));
+}
+
+void main()
+{
+    uint x = gl_GlobalInvocationID.x, y = gl_GlobalInvocationID.y * ROWS;
+    uint wide = uint(size.x), high = uint(size.y);
+    if (x >= wide)
+        return;
+    uint first = y * wide + x, rows = min(ROWS, high - y), more = 0u;
+    for (uint i = 0u; i < rows; i++) {
+        uint at = first + i * wide;
+        vec4 hair = sum[at] * scale;
+        bool again = view_head == 1 && head[at] > 0.0;
+#ifdef BACKGROUND_SKY
+        again = again || hair.a < 1.0;
+#endif
+        more |= again ? 1u << i : 0u;
+        display[at] = shown(hair.rgb, hair.a, view_colour);
+    }
+    while (more != 0u) {
+        uint i = uint(findLSB(more)), at = first + i * wide;
+        more &= more - 1u;
+        vec4 hair = sum[at] * scale;
+        float h = view_head == 1 ? head[at] * scale.w : 0.0;
+        vec3 ray = ray_of(vec2(x, y + i));
+        uint lit = h > 0.0 ? light_count : 0u;
+        vec3 c = hair.rgb + h * head_radiance(head_normal(ray), lit);
+        display[at] = shown(c, hair.a + h, background(ray));
+    }
 }

@@ -308,10 +308,20 @@ static void stage_names(void)
     p.light.yaw = 30;
     renderer_set_params(r, &p);
     CHECK_STR(ran(r), "light tint crossings shadow shade resolve display read");
-    check_case("colouring it sweeps no shadows");
+    check_case("colouring it shades nothing: it is a factor of the whole");
     p.tint.exposure = 1;
     renderer_set_params(r, &p);
+    CHECK_STR(ran(r), "tint display read");
+    check_case("... but of what is no light");
+    p.render.components = 7; // transmittance: lights are its weights
+    renderer_set_params(r, &p);
+    CHECK_STR(ran(r), "tint fibre shade resolve display read");
+    p.tint.colour[0] = 0.5f;
+    renderer_set_params(r, &p);
     CHECK_STR(ran(r), "tint shade resolve display read");
+    p.render.components = 0;
+    renderer_set_params(r, &p);
+    CHECK_STR(ran(r), "tint fibre shade resolve display read");
     check_case("a sun that comes sweeps, one that brightens does not");
     p.sun1.strength = 1;
     renderer_set_params(r, &p);
@@ -319,6 +329,13 @@ static void stage_names(void)
     p.sun1.strength = 2;
     renderer_set_params(r, &p);
     CHECK_STR(ran(r), "tint shade resolve display read");
+    check_case("where a sun shines the tint is no factor of the whole");
+    p.tint.exposure = 2;
+    renderer_set_params(r, &p);
+    CHECK_STR(ran(r), "tint shade resolve display read");
+    p.sun1.strength = 0;
+    renderer_set_params(r, &p);
+    CHECK_STR(ran(r), "light tint crossings shadow shade resolve display read");
     check_case("a display edit shades nothing");
     p.view.exposure = 1;
     renderer_set_params(r, &p);
@@ -338,6 +355,48 @@ static void stage_names(void)
     p.shadow.method = 0;
     renderer_set_params(r, &p);
     CHECK_STR(ran(r), "fibre shade resolve display read");
+    renderer_destroy(r);
+}
+
+// Edits of the tint alone, one after the other: with every sample in the sum,
+// between two, with a sun, of a part, of what is no light, black and back.
+static void tints(void)
+{
+    static const struct {
+        float exposure, colour[3], sun;
+        int components;
+    } state[] = {
+        {1.3f, {.5f, 1, 2}, 0, 0}, {1.3f, {0, 0, 0}, 0, 0},
+        {-2, {1, .7f, .1f}, 0, 0}, {-2, {1, .7f, .1f}, 3, 0},
+        {-1, {0, .7f, .1f}, 3, 0}, {-1, {0, .7f, .1f}, 3, 7},
+        {-1, {2, .7f, .1f}, 0, 7}, {.4f, {2, .7f, 0}, 0, 7},
+        {.4f, {2, .1f, 1}, 0, 2},  {.5f, {2, .1f, 1}, 0, 2},
+        {.5f, {1, .1f, 1}, 0, 0},
+    };
+    struct params p;
+    base(&p);
+    struct renderer *r = scene_renderer(groom(), scene_two_lamps(), &p);
+    struct both shown = take(r);
+    for (size_t i = 0; i < sizeof state / sizeof *state; i++) {
+        char name[64];
+        bool done;
+        snprintf(name, sizeof name, "edited = fresh: tint, state %zu", i);
+        check_case(name);
+        p.tint.exposure = state[i].exposure;
+        memcpy(p.tint.colour, state[i].colour, sizeof p.tint.colour);
+        p.sun1.strength = state[i].sun;
+        p.render.components = state[i].components;
+        renderer_set_params(r, &p);
+        struct both edited = take(r), want = fresh(&p);
+        CHECK(same(&edited, &want) && !same(&edited, &shown));
+        p.fibre.beta_r += 0.1f; // the next one comes in the midst
+        renderer_set_params(r, &p);
+        CHECK(renderer_step(r, &done, NULL));
+        drop(&shown);
+        drop(&want);
+        shown = edited;
+    }
+    drop(&shown);
     renderer_destroy(r);
 }
 
@@ -379,6 +438,7 @@ int main(int argc, char **argv)
     stage_names();
     refinement();
     rays();
+    tints();
     assets();
     refusals();
     small_store();
