@@ -2,6 +2,7 @@
 #   make              build/glintd and build/glint
 #   make run          build, then serve a built-in groom (ARGS= adds options)
 #   make test         all tests; last line "N passed, N failed, N skipped"
+#   make front        measure anew what a governor chooses among
 #   make extremes     stiff and extreme cases, at length: docs/EXTREMES.md
 #   make test-long    the sweeps, soaks and long fuzzing as well
 #   make floors       reject an #include that points up a floor
@@ -97,6 +98,7 @@ $(B)/gen/shader_list.h: $(SHADERS) Makefile
 	    echo "SHADER($$(echo $$n | tr . _), \"$$n\")"; done > $@
 $(B)/obj/renderer/embed.o: $(SHADERS) $(B)/gen/shader_list.h
 $(B)/obj/server/pages.o: $(wildcard web/*)
+$(B)/obj/server/front_read.o: server/front.txt
 
 BESIDE_EXTREMES := tests/numeric/cases.c tests/numeric/xu_double.c \
 	tests/render/scene.c
@@ -150,6 +152,11 @@ bench: all
 	    --plot $(BENCH_TO)/pictures/bench.svg \
 	    $(if $(findstring --quick,$(ARGS)),,--scenes $(BENCH_SCENES)) \
 	    $(ARGS) > $(B)/bench.jsonl
+# What a governor chooses among, measured anew: server/front.txt, which ships with
+# the program.  A quarter of an hour on two quiet cores.
+.PHONY: front
+front: all
+	$(B)/glintd bench --front server/front.txt $(ARGS) > $(B)/front.jsonl
 bench-stages: deps
 	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_stages
 	@$(B)/tests/bench/bench_stages $(ARGS)

@@ -188,6 +188,8 @@ bool renderer_set_params(struct renderer *r, const struct params *p)
     before.quality.samples = p->quality.samples;
     before.quality.error_places = p->quality.error_places; // no pixel's affair
     before.quality.draft_ms = p->quality.draft_ms;
+    before.quality.budget_ms = p->quality.budget_ms; // who sets them resolves
+    before.quality.error = p->quality.error;         // them
     uint32_t changed = params_changed(&before, p);
     r->params = *p;
     for (int i = 0; changed != 0 && i < RENDERER_STAGES; i++)

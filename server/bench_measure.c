@@ -59,6 +59,14 @@ static bool compare(const struct bench_view *v, const struct params *p,
     return true;
 }
 
+bool bench_measure_whole(const struct bench_view *v, const struct params *p,
+                         struct metric_errors *out, struct error *err)
+{
+    const struct bench_truth *t = v->truth;
+    const struct metric_pairs whole = {t->count, NULL, t->whole, t->variance};
+    return compare(v, p, as_shown, whole, out, err);
+}
+
 // --- pictures ----------------------------------------------------------------
 
 enum { PIXELS = BENCH_TRUTH_WIDTH * BENCH_TRUTH_HEIGHT };
@@ -140,10 +148,9 @@ bool bench_measure_row(const struct bench_view *v,
                                  &out->time[e], err))
             return false;
     }
-    const struct metric_pairs whole = {t->count, NULL, t->whole, t->variance};
     const struct metric_pairs single = {t->count, NULL, t->single, NULL};
     const struct metric_pairs open = {t->exact, NULL, t->open, NULL};
-    return compare(v, p, as_shown, whole, &out->whole, err) &&
+    return bench_measure_whole(v, p, &out->whole, err) &&
            compare(v, p, once, single, &out->single, err) &&
            (!(s->flags & BENCH_KNOBS_INTEGRAL) || t->exact == 0 ||
             compare(v, p, once_open, open, &out->integral, err)) &&

@@ -47,6 +47,10 @@ bool bench_measure_row(const struct bench_view *v,
                        const struct bench_setting *s, struct bench_row *out,
                        struct error *err);
 
+// The error `whole` alone, of *p.
+bool bench_measure_whole(const struct bench_view *v, const struct params *p,
+                         struct metric_errors *out, struct error *err);
+
 struct bench_cause {
     const char *name, *what;     // "light fit"; what is exchanged
     struct metric_errors errors; // of the difference, relative to the mean of

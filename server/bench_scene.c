@@ -10,10 +10,7 @@
 #include "protocol/bytes.h"
 #include "renderer/renderer.h"
 #include "server/assets.h"
-
-struct loaded {
-    char hair_sha[65], sky_sha[65];
-};
+#include "server/bench_front.h"
 
 // "straight.hair" and "builtin:studio" become "straight, studio".
 static void plain_name(const char *name, char *out, size_t room)
@@ -42,8 +39,7 @@ static void name_scene(struct bench_scene *s, const char *hair, const char *sky)
 }
 
 static bool load(struct bench_scene *s, struct renderer *r,
-                 const struct bench_scene_ask *ask, struct loaded *l,
-                 struct error *err)
+                 const struct bench_scene_ask *ask, struct error *err)
 {
     struct assets_hair hair = {0};
     struct assets_sky sky = {0};
@@ -51,8 +47,8 @@ static bool load(struct bench_scene *s, struct renderer *r,
               assets_sky_load(&sky, ask->env, NULL, err);
     renderer_set_params(r, ask->base);
     if (ok) {
-        memcpy(l->hair_sha, hair.source.sha256, sizeof l->hair_sha);
-        memcpy(l->sky_sha, sky.source.sha256, sizeof l->sky_sha);
+        memcpy(s->hair_sha, hair.source.sha256, sizeof s->hair_sha);
+        memcpy(s->sky_sha, sky.source.sha256, sizeof s->sky_sha);
         name_scene(s, hair.source.name, sky.source.name);
         s->result.strands = hair.strands;
         s->result.points = hair.points;
@@ -71,8 +67,7 @@ static bool load(struct bench_scene *s, struct renderer *r,
 }
 
 static bool truth(struct bench_scene *s, struct renderer *r,
-                  const struct bench_scene_ask *ask, const struct loaded *l,
-                  struct error *err)
+                  const struct bench_scene_ask *ask, struct error *err)
 {
     const struct bench_truth_ask q = {
         .params = ask->base,
@@ -80,8 +75,8 @@ static bool truth(struct bench_scene *s, struct renderer *r,
         .exact = (size_t)ask->exact,
         .paths = ask->paths,
         .picture_paths = ask->picture_paths,
-        .hair_sha = l->hair_sha,
-        .sky_sha = l->sky_sha,
+        .hair_sha = s->hair_sha,
+        .sky_sha = s->sky_sha,
         .cache = ask->cache,
     };
     return bench_time_finish(r, ask->base, NULL, err) &&
@@ -98,14 +93,19 @@ static bool measure(struct bench_scene *s, const struct bench_view *v,
     s->setting = bytes_zalloc(BENCH_KNOBS_MAX, sizeof *s->setting);
     s->row = bytes_zalloc(BENCH_KNOBS_MAX, sizeof *s->row);
     b->row = s->row;
-    const int n = bench_knobs_list(ask->base, &choice, s->setting);
+    const int n = ask->front ? bench_front_list(ask->base, s->setting)
+                             : bench_knobs_list(ask->base, &choice, s->setting);
     for (int i = 0; ok && i < n; i++) {
-        ok = bench_measure_row(v, &s->setting[i], &s->row[i], err);
+        ok = ask->front ? bench_front_row(v, &s->setting[i], &s->row[i], err)
+                        : bench_measure_row(v, &s->setting[i], &s->row[i], err);
         if (!ok)
             break;
         b->rows = i + 1;
         buf_clear(&line);
-        bench_report_json_row(b, &s->row[i], &line);
+        if (ask->front)
+            bench_front_json(b, &s->row[i], &line);
+        else
+            bench_report_json_row(b, &s->row[i], &line);
         ask->tell(ask->self, &line);
     }
     if (ok && ask->causes && v->truth->exact > 0)
@@ -122,12 +122,11 @@ static bool measure(struct bench_scene *s, const struct bench_view *v,
 bool bench_scene_run(struct bench_scene *s, const struct bench_scene_ask *ask,
                      struct error *err)
 {
-    struct loaded l = {0};
     struct buf line = {0};
     *s = (struct bench_scene){0};
     struct bench_result *b = &s->result;
     struct renderer *r = renderer_create(ask->cache, err);
-    bool ok = r && load(s, r, ask, &l, err) && truth(s, r, ask, &l, err);
+    bool ok = r && load(s, r, ask, err) && truth(s, r, ask, err);
     if (ok) {
         snprintf(s->device, sizeof s->device, "%s", renderer_device(r));
         b->name = s->name;

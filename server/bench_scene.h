@@ -18,6 +18,7 @@ struct bench_scene_ask {
     int places, exact, paths, picture_paths, picture_samples;
     const char *cache; // directory, or NULL
     bool causes;
+    bool front; // the settings of a front, and no more of them than it needs
     // Called with each result as it comes; one line of JSON in *line.
     void (*tell)(void *self, const struct buf *line);
     void *self;
@@ -26,6 +27,7 @@ struct bench_scene_ask {
 struct bench_scene { // zero-initialised is empty
     struct bench_result result;
     char name[136], id[136], device[160];
+    char hair_sha[65], sky_sha[65];
     struct bench_truth truth;
     struct bench_setting *setting;
     struct bench_row *row;

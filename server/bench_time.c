@@ -101,6 +101,7 @@ bool bench_time(struct renderer *r, const struct params *p,
     for (int i = 0; i < RENDERER_STAGES; i++)
         out->stage[i] = metric_quantile(ms[i], n, 0.5);
     out->median = metric_median(ms[RENDERER_STAGES], n);
+    out->least = metric_quantile(ms[RENDERER_STAGES], n, 0);
     out->p95 = metric_quantile(ms[RENDERER_STAGES], n, 0.95);
     return bench_time_finish(r, p, NULL, err);
 }

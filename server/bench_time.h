@@ -25,7 +25,7 @@ extern const char *const bench_edit_names[BENCH_EDITS];
 struct bench_times {
     int runs;                      // 0: not measured
     struct metric_value median;    // ms, wall clock, with its 95 % interval
-    double p95;                    // ms
+    double least, p95;             // ms
     double stage[RENDERER_STAGES]; // ms, medians; < 0: did not run
 };
 

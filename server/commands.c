@@ -144,6 +144,21 @@ static bool put_named(struct json *j, const struct params *p, struct span word,
     return row != NULL;
 }
 
+// What a governor made of them.
+static void put_chosen(struct json *j, const struct hub *h)
+{
+    if (!h->governor.note.asked[0])
+        return;
+    json_key(j, "chosen");
+    json_open_object(j);
+    for (int k = 0; k < FRONT_KNOBS; k++) {
+        const char *name = front_knob_names[k];
+        if (front_knob(&h->drawn, k) != front_knob(&h->params, k))
+            put_value(j, &h->drawn, params_find(name, strlen(name)));
+    }
+    json_close_object(j);
+}
+
 static bool run_get(struct session *s, const struct line *line,
                     struct error *err)
 {
@@ -164,6 +179,7 @@ static bool run_get(struct session *s, const struct line *line,
         return false;
     }
     json_close_object(&j);
+    put_chosen(&j, s->hub);
     answer(s, &j, &out);
     return true;
 }

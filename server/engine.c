@@ -21,11 +21,13 @@ bool engine_take(struct engine *e, struct engine_event *out)
     return got;
 }
 
-void engine_edit(struct engine *e, const struct params *p, uint64_t revision,
+void engine_edit(struct engine *e, const struct params *p,
+                 const struct governor_note *note, uint64_t revision,
                  int64_t received_us)
 {
     pthread_mutex_lock(&e->lock);
     e->wish.params = *p;
+    e->wish.note = *note;
     e->wish.revision = revision;
     e->wish.received_us = received_us;
     judge_halt(e->judge);      // all cores to the edit

@@ -39,8 +39,10 @@ struct engine *engine_create(struct engine_setup *setup, struct error *err);
 bool engine_stop(struct engine *e, int wait_ms);
 void engine_destroy(struct engine *e); // NULL is allowed
 
-// The newest state.  Revisions rise.
-void engine_edit(struct engine *e, const struct params *p, uint64_t revision,
+// The newest state, as it is drawn, and what a governor chose of it.  Revisions
+// rise.
+void engine_edit(struct engine *e, const struct params *p,
+                 const struct governor_note *note, uint64_t revision,
                  int64_t received_us);
 // All that viewers with credit wait for; replaces what was asked before.
 // viewers: how many clients stream at all; 0: nothing is rendered for them.

@@ -95,6 +95,10 @@ void frame_put(struct json *j, const struct studio_frame *f,
     json_put_int(j, "queued_us", about->queued_us);
     json_key(j, "stages");
     frame_put_stages(j, f->stage_ms);
+    if (f->note.asked[0]) {
+        json_key(j, "governor");
+        governor_put_line(j, &f->note);
+    }
     if (f->verdict.revision > 0)
         frame_put_error(j, &f->verdict);
     json_close_object(j);

@@ -6,18 +6,37 @@
 #include "server/clock.h"
 #include "server/log.h"
 
+// The state as it is drawn goes to the engine.
+static void draw(struct hub *h)
+{
+    struct engine_stats stats;
+    engine_stats(h->engine, &stats);
+    const struct governor_state state = {
+        .params = &h->params,
+        .scene = {.device = stats.device,
+                  .hair = h->hair.source.sha256,
+                  .env = h->env.source.sha256,
+                  .strands = h->hair.strands},
+        .now_us = clock_us()};
+    governor_resolve(&h->governor, &state, &h->drawn);
+    engine_edit(h->engine, &h->drawn, &h->governor.note, h->revision,
+                h->received_us);
+}
+
 void hub_init(struct hub *h, struct loop *loop, struct engine *engine,
-              const struct params *p)
+              const struct params *p, const struct fronts *fronts)
 {
     *h = (struct hub){.loop = loop,
                       .engine = engine,
                       .params = *p,
+                      .governor.fronts = *fronts,
                       .revision = 1,
                       .started_us = clock_us()};
     struct engine_stats stats;
     engine_stats(engine, &stats);
     h->hair = stats.hair;
     h->env = stats.env;
+    draw(h);
 }
 
 static void drop_held(struct hub *h, int i)
@@ -30,6 +49,7 @@ void hub_finish(struct hub *h)
 {
     while (h->held_count > 0)
         drop_held(h, h->held_count - 1);
+    governor_finish(&h->governor);
 }
 
 void hub_add(struct hub *h, struct session *s)
@@ -128,6 +148,7 @@ void hub_serve(struct hub *h)
 static void hold(struct hub *h, const struct studio_frame *f)
 {
     struct hub_held *held = held_of(h, &f->asked);
+    governor_took(&h->governor, &f->note, f->first_ms);
     if (held) {
         blob_unref(held->frame.bytes);
     } else if (h->held_count < STUDIO_DEMANDS) {
@@ -146,12 +167,16 @@ static void hold(struct hub *h, const struct studio_frame *f)
 static void judge(struct hub *h, const struct judge_verdict *v)
 {
     h->verdict = *v;
+    bool told = false;
     for (int i = 0; i < h->held_count; i++) {
         struct hub_held *held = &h->held[i];
         if (!held->frame.final || held->frame.revision != v->revision)
             continue;
         held->frame.verdict = *v;
         held->serial = ++h->next_serial;
+        if (v->paths == JUDGE_PATHS && !told)
+            governor_judged(&h->governor, &held->frame.note, v->value);
+        told = true;
     }
 }
 
@@ -213,7 +238,7 @@ void hub_edit(struct hub *h, const struct params *p)
     h->revision++;
     h->edits++;
     h->received_us = clock_us();
-    engine_edit(h->engine, p, h->revision, h->received_us);
+    draw(h);
     for (struct session *s = h->sessions, *next; s; s = next) {
         next = s->next;
         session_revision(s);

@@ -27,8 +27,10 @@ struct hub_held { // the newest frame of an encoding
 struct hub {
     struct loop *loop;
     struct engine *engine;
-    const char *token; // clients must give it; NULL: none
-    struct params params;
+    const char *token;    // clients must give it; NULL: none
+    struct params params; // as they were set
+    struct params drawn;  // what the governor made of them
+    struct governor governor;
     uint64_t revision;
     struct judge_verdict verdict; // of the newest picture that has one
     int64_t received_us;          // when its newest edit came in; 0: never
@@ -45,9 +47,9 @@ struct hub {
     int connections; // kept by the listener
 };
 
-// engine: borrowed; its wake function must lead to hub_events.
+// engine: borrowed; its wake function must lead to hub_events.  fronts: taken.
 void hub_init(struct hub *h, struct loop *loop, struct engine *engine,
-              const struct params *p);
+              const struct params *p, const struct fronts *fronts);
 void hub_finish(struct hub *h);
 
 void hub_add(struct hub *h, struct session *s);

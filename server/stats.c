@@ -143,4 +143,6 @@ void stats_put(struct json *j, struct hub *h)
     put_memory(j, &e, h);
     put_picture(j, &e);
     frame_put_error(j, &e.verdict);
+    json_key(j, "governor");
+    governor_put(j, &h->governor);
 }

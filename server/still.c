@@ -63,6 +63,8 @@ static void state_text(struct state_text *t, const struct still_state *s)
     add(t, "hair_sha256", s->hair.sha256);
     add(t, "env", s->env.name);
     add(t, "env_sha256", s->env.sha256);
+    if (s->governor)
+        add(t, "governor", s->governor);
     for (int r = 0; r < params_row_count; r++) {
         const struct params_row *row = &params_rows[r];
         buf_printf(&t->text, "%s.%s", row->group_name, row->name);
@@ -70,7 +72,7 @@ static void state_text(struct state_text *t, const struct still_state *s)
         edit_print(&t->text, s->params, row);
         buf_byte(&t->text, 0);
     }
-    size_t count = 2 * (6 + (size_t)params_row_count);
+    size_t count = 2 * ((s->governor ? 7u : 6u) + (size_t)params_row_count);
     t->list = bytes_alloc((count + 1) * sizeof *t->list);
     const char *at = (const char *)t->text.data;
     for (size_t i = 0; i < count; i++, at += strlen(at) + 1)

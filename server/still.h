@@ -41,6 +41,7 @@ struct still_state {             // all that determines the picture
     const struct params *params; // of the picture: image.* is its size
     struct still_source hair, env;
     const char *device;
+    const char *governor; // what it chose of the parameters; NULL: off
 };
 
 struct still_request {
@@ -52,8 +53,9 @@ struct still_request {
 
 // Reads the picture as it stands and encodes it, appending to *out.  The state
 // goes into EXR attributes or PNG tEXt chunks: "glintd" (the version),
-// "device", "hair", "hair_sha256", "env", "env_sha256", and each parameter by
-// its name on the wire, as text that `set` takes.  JPEG holds none.
+// "device", "hair", "hair_sha256", "env", "env_sha256", "governor" where one
+// chose, and each parameter by its name on the wire, as text that `set` takes.
+// JPEG holds none.
 bool still_encode(struct buf *out, struct renderer *r,
                   struct still_request *request, struct error *err);
 

@@ -207,6 +207,7 @@ bool studio_turn(struct studio *s, const struct studio_wish *w,
         s->render_ms = 0;
         s->stepped = false;
         set(s, &w->params);
+        s->note = w->note;
         s->live_revision = w->revision;
         s->live = true;
         // Its samples hold for the new state too: shown at once, then refined.
@@ -245,6 +246,14 @@ static void stages(const struct studio *s, struct studio_frame *f)
         f->stage_ms[i] = ran ? stats.stage_ms[i] : -1;
     }
     f->path = stats.path;
+    // The stages of a fibre edit, whichever edit it was.
+    static const int parts[] = {RENDERER_FIBRE, RENDERER_SHADE,
+                                RENDERER_RESOLVE, RENDERER_DISPLAY,
+                                RENDERER_READ};
+    const bool first = s->stepped && s->samples == 1 && !stats.refined &&
+                       f->stage_ms[RENDERER_SHADE] >= 0;
+    for (size_t i = 0; first && i < sizeof parts / sizeof *parts; i++)
+        f->first_ms += fmax(f->stage_ms[parts[i]], 0);
 }
 
 // What was measured on the way from picture to bytes.
@@ -272,6 +281,7 @@ static bool make(struct studio *s, struct still_request *q,
         f->final = s->done;
         f->render_ms = s->render_ms;
         f->encode_ms = q->encode_ms;
+        f->note = s->note;
         if (only_drafted(s))
             f->draft = s->draft;
         stages(s, f);
@@ -358,6 +368,7 @@ void studio_capture_begin(struct studio *s, const struct params *p,
         s->stepped = false;
     }
     set(s, p);
+    s->note = w->note;
     s->live = same;
     if (same)
         s->live_revision = w->revision;
@@ -380,11 +391,14 @@ bool studio_capture_end(struct studio *s, const struct still_encoding *how,
                         uint64_t revision, struct studio_frame *out,
                         struct error *err)
 {
+    char governor[256];
+    governor_text(&s->note, governor, sizeof governor);
     struct still_state state = {
         .params = &s->set,
         .hair = s->hair,
         .env = s->env,
         .device = renderer_device(s->renderer),
+        .governor = s->note.asked[0] ? governor : NULL,
     };
     struct still_request q = {.state = &state, .how = *how, .with_state = true};
     *out = (struct studio_frame){.asked = *how, .revision = revision};

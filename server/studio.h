@@ -13,6 +13,7 @@
 #include "protocol/params.h"
 #include "renderer/renderer.h"
 #include "server/assets.h"
+#include "server/governor.h"
 #include "server/haste.h"
 #include "server/judge.h"
 #include "server/still.h"
@@ -41,9 +42,10 @@ struct studio_demand {
 
 struct studio_wish {
     struct params params;
-    uint64_t revision;   // from 1
-    int64_t received_us; // when its newest edit came in; 0: no edit yet
-    int viewers;         // clients that stream, with credit or not
+    struct governor_note note; // what of them a governor chose
+    uint64_t revision;         // from 1
+    int64_t received_us;       // when its newest edit came in; 0: no edit yet
+    int viewers;               // clients that stream, with credit or not
     struct studio_demand demand[STUDIO_DEMANDS];
     int demand_count;
 };
@@ -61,14 +63,18 @@ struct studio_frame {
     const char *path;                 // that drew it: a word of render.path
     double stage_ms[RENDERER_STAGES]; // < 0: did not run for this frame
     int64_t received_us;
+    struct governor_note note;
+    double
+        first_ms; // of a first full frame: to shade, display and read; else 0
     struct judge_verdict verdict; // revision 0: none yet
 };
 
 struct studio {
     struct renderer *renderer;
     struct still_source hair, env;
-    struct params set; // what the renderer has
-    int samples;       // of `set`
+    struct params set;         // what the renderer has
+    struct governor_note note; // of it
+    int samples;               // of `set`
     bool done;
     bool live;                   // `set` is the viewers' state of live_revision
     uint64_t live_revision;      // 0: none yet

@@ -10,6 +10,7 @@
 #include "protocol/bytes.h"
 #include "renderer/groom.h"
 #include "renderer/timer.h"
+#include "server/bench_front.h"
 #include "server/bench_report.h"
 #include "server/bench_scene.h"
 #include "server/cache.h"
@@ -20,13 +21,13 @@ enum { SCENES_MAX = 64 };
 
 struct bench {
     struct options options;
-    const char *scenes, *report, *plot, *only, *command;
+    const char *scenes, *report, *plot, *only, *command, *front;
     bool quick, full, refined, no_cache;
     double seconds;
     int runs, places, exact, paths, picture_paths, picture_samples;
     char hair[SCENES_MAX][512], env[SCENES_MAX][512];
     int count;
-    struct buf overview, sections;
+    struct buf overview, sections, fronts;
 };
 
 // --- scenes ------------------------------------------------------------------
@@ -64,7 +65,9 @@ static bool list_scenes(struct bench *b)
     const char *list = b->scenes;
     if (!list && b->options.hair_given)
         return add_scene(b, b->options.hair, strlen(b->options.hair));
-    if (!list && b->quick)
+    if (!list && b->front) // strands: a few, some, many; straight and curly
+        list = "ponytail,animation,straight,natural";
+    else if (!list && b->quick)
         list = "ponytail";
     for (int i = 0; !list && groom_builtin_names[i]; i++)
         if (!add_scene(b, groom_builtin_names[i],
@@ -152,6 +155,22 @@ static bool write_report(struct bench *b, const char *device, double seconds,
     return ok;
 }
 
+// All that there is so far: a long run that is broken off was not in vain.
+static bool write_front(struct bench *b, const struct bench_scene *s,
+                        struct error *err)
+{
+    const struct bench_front_scene scene = {s->hair_sha, s->sky_sha,
+                                            (int)sysconf(_SC_NPROCESSORS_ONLN)};
+    struct front *f = bytes_zalloc(1, sizeof *f);
+    bench_front_make(&s->result, &scene, f);
+    front_print(f, &b->fronts);
+    free(f);
+    char *own = strcmp(b->front, "cache") == 0 ? front_cache_path() : NULL;
+    const bool ok = file_write(own ? own : b->front, &b->fronts, err);
+    free(own);
+    return ok;
+}
+
 // --- the run -----------------------------------------------------------------
 
 static void tell(void *self, const struct buf *line)
@@ -167,6 +186,7 @@ static int bench(struct bench *b)
     char *cache = b->no_cache ? NULL : cache_directory();
     const double began = timer_now();
     bool ok = true;
+    buf_text(&b->fronts, front_magic);
     for (int i = 0; ok && i < b->count; i++) {
         struct bench_scene s;
         const struct bench_scene_ask ask = {
@@ -184,16 +204,20 @@ static int bench(struct bench *b)
             .picture_paths = b->picture_paths,
             .picture_samples = b->picture_samples,
             .cache = cache,
-            .causes = true,
+            .causes = !b->front,
+            .front = b->front != NULL,
             .tell = tell,
         };
         ok = bench_scene_run(&s, &ask, &err) &&
-             write_scene(b, &s.result, &err) &&
-             write_report(b, s.device, timer_now() - began, &err);
+             (b->front
+                  ? write_front(b, &s, &err)
+                  : write_scene(b, &s.result, &err) &&
+                        write_report(b, s.device, timer_now() - began, &err));
         bench_scene_finish(&s);
     }
     buf_finish(&b->overview);
     buf_finish(&b->sections);
+    buf_finish(&b->fronts);
     free(cache);
     return ok ? 0 : options_fail(&err);
 }
@@ -201,11 +225,11 @@ static int bench(struct bench *b)
 // What is not given is by the length of the run.
 static void defaults(struct bench *b)
 {
-    const bool q = b->quick;
+    const bool q = b->quick || b->front;
     b->runs = b->runs ? b->runs : 10;
     b->seconds = b->seconds >= 0 ? b->seconds : q ? 3 : 8;
     b->places = b->places ? b->places : q ? 200 : 500;
-    b->exact = b->exact >= 0 ? b->exact : q ? 30 : 45;
+    b->exact = b->exact >= 0 ? b->exact : b->front ? 0 : q ? 30 : 45;
     b->paths = b->paths ? b->paths : q ? 64 : 128;
     b->picture_paths = b->picture_paths ? b->picture_paths : q ? 4 : 16;
     b->picture_samples = b->picture_samples ? b->picture_samples : q ? 4 : 16;
@@ -229,6 +253,9 @@ int verb_bench_run(int argc, char **argv)
          "write tables as Markdown"},
         {"plot", OPTIONS_TEXT, &b->plot, 0, 0, "FILE.svg",
          "write plots; with several scenes FILE_SCENE.svg"},
+        {"front", OPTIONS_TEXT, &b->front, 0, 0, "FILE",
+         "measure what a governor chooses among, for `serve --front FILE`; the "
+         "word cache: for every serve of this user"},
         {"only", OPTIONS_TEXT, &b->only, 0, 0, "WORD,...",
          "only settings whose group or text has one of the words"},
         {"runs", OPTIONS_INT, &b->runs, 1, BENCH_RUNS_MAX, "N",

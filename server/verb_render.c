@@ -12,6 +12,7 @@
 #include "renderer/renderer.h"
 #include "server/assets.h"
 #include "server/cache.h"
+#include "server/governor.h"
 #include "server/options.h"
 #include "server/still.h"
 #include "server/verb_reference.h"
@@ -36,17 +37,43 @@ static int format_of(const char *path)
     return -1;
 }
 
+struct drawn { // what a governor makes of the parameters
+    struct params params;
+    char governor[256];
+};
+
+// Nothing was measured in this run: it goes by the fronts as they are.
+static void govern(struct drawn *d, const struct options *o,
+                   const struct governor_state *state)
+{
+    struct governor g = {0};
+    if (!(o->params.quality.budget_ms > 0 || o->params.quality.error > 0))
+        return;
+    fronts_open(&g.fronts, NULL, NULL);
+    governor_resolve(&g, state, &d->params);
+    governor_text(&g.note, d->governor, sizeof d->governor);
+    governor_finish(&g);
+}
+
 static bool open_scene(struct renderer *r, const struct options *o,
-                       struct still_state *state, struct error *err)
+                       struct still_state *state, struct drawn *d,
+                       struct error *err)
 {
     struct assets_hair hair = {0};
     struct assets_sky sky = {0};
     bool ok = assets_hair_load(&hair, o->hair, NULL, err) &&
               assets_sky_load(&sky, o->env, NULL, err);
-    renderer_set_params(r, &o->params);
     if (ok) {
         state->hair = hair.source;
         state->env = sky.source;
+        const struct governor_state asked = {
+            .params = &o->params,
+            .scene = {.device = state->device,
+                      .hair = hair.source.sha256,
+                      .env = sky.source.sha256,
+                      .strands = hair.strands}};
+        govern(d, o, &asked);
+        renderer_set_params(r, &d->params);
         struct groom *g = hair.groom;
         struct sky_map *m = sky.map;
         hair.groom = NULL;
@@ -107,22 +134,27 @@ struct wanted {
 static int render(const struct options *o, const struct wanted *want)
 {
     struct error err = {0};
-    struct still_state state = {.params = &o->params};
+    struct drawn drawn = {.params = o->params};
+    struct still_state state = {.params = &drawn.params};
     struct still_request q = {.state = &state, .with_state = true};
     struct buf out = {0};
     double total_ms[RENDERER_STAGES];
     char *cache = cache_directory();
     struct renderer *r = renderer_create(cache, &err);
-    bool ok = r && open_scene(r, o, &state, &err) &&
+    if (r)
+        state.device = renderer_device(r);
+    bool ok = r && open_scene(r, o, &state, &drawn, &err) &&
               (!want->layers || renderer_layers_on(r, &err)) &&
               refine(r, total_ms, &err);
     if (ok) {
-        state.device = renderer_device(r);
+        state.governor = drawn.governor[0] ? drawn.governor : NULL;
         q.how = still_encoding_of(&o->params);
         q.how.format = want->format;
         q.how.layers = want->layers;
         ok = still_encode(&out, r, &q, &err) && file_write(o->out, &out, &err);
     }
+    if (ok && want->verbose && state.governor)
+        printf("governor %s\n", state.governor);
     if (ok && want->verbose)
         report(r, total_ms, &q, out.size);
     buf_finish(&out);

@@ -24,7 +24,8 @@ enum { END_WAIT_MS = 8000, TOKEN_MIN = 16, TOKEN_MAX = 256 };
 
 struct serve {
     struct options options;
-    const char *listen, *unix_path, *token_file;
+    const char *listen, *unix_path, *token_file, *front;
+    struct fronts fronts;
     struct options_list roots, allowed;
     struct assets_roots opened;
     char token[TOKEN_MAX + 2];
@@ -50,6 +51,9 @@ static bool parse(struct serve *v, int argc, char **argv, int *status)
          "a host by which browsers may reach this; repeatable"},
         {"token-file", OPTIONS_TEXT, &v->token_file, 0, 0, "FILE",
          "clients must give the token that FILE holds"},
+        {"front", OPTIONS_TEXT, &v->front, 0, 0, "FILE",
+         "what `bench --front` measured on this machine (front.txt in the "
+         "cache directory)"},
         {"max-connections", OPTIONS_INT, &v->service.connections_max, 1,
          SERVICE_CONNECTIONS_MAX, "N", "beyond so many, refuse (1024)"},
         {0}};
@@ -195,6 +199,7 @@ static void take_apart(struct serve *v)
     if (v->engine && !engine_stop(v->engine, END_WAIT_MS))
         _exit(0);
     hub_finish(&v->hub);
+    fronts_finish(&v->fronts);
     engine_destroy(v->engine);
     if (v->signals.fd >= 0)
         close(v->signals.fd);
@@ -221,9 +226,10 @@ static bool start(struct serve *v, struct error *err)
         if (!v->local)
             return false;
     }
-    if (!start_engine(v, err))
+    if (!fronts_open(&v->fronts, v->front, err) || !start_engine(v, err))
         return false;
-    hub_init(&v->hub, v->loop, v->engine, &v->options.params);
+    hub_init(&v->hub, v->loop, v->engine, &v->options.params, &v->fronts);
+    v->fronts = (struct fronts){0};
     v->hub.token = v->token[0] ? v->token : NULL;
     loop_on_wake(v->loop, woken, &v->hub);
     return true;
