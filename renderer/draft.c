@@ -6,22 +6,75 @@
 
 #include "protocol/bytes.h"
 
+static void finish_view(struct draft_view *v)
+{
+    picture_finish(&v->picture);
+    display_finish(&v->display);
+    nodes_finish(&v->nodes);
+    memset(v, 0, sizeof *v);
+}
+
+// The fit is no picture's, and stays.
 void draft_finish(struct draft *d)
 {
-    picture_finish(&d->picture);
-    display_finish(&d->display);
-    nodes_finish(&d->nodes);
+    for (int i = 0; i < RENDERER_DRAFT_VIEWS; i++)
+        finish_view(&d->view[i]);
     strands_finish(&d->strands);
     crossings_finish(&d->crossings);
-    memset(d, 0, sizeof *d);
+    d->shown = d->now = NULL;
+    d->stride = d->gridded = 0;
+    d->swept.known = false;
+    d->as_if = RENDERER_STAGES;
 }
 
 uint64_t draft_bytes(const struct draft *d)
 {
     const struct crossings_stats *c = &d->crossings.stats;
-    return d->picture.target_bytes + d->picture.cache_bytes + d->display.size +
-           d->nodes.first.bytes + d->nodes.rest.bytes + d->strands.bytes +
-           c->grid_bytes + c->ways_bytes + c->scratch_bytes;
+    uint64_t sum =
+        d->strands.bytes + c->grid_bytes + c->ways_bytes + c->scratch_bytes;
+    for (int i = 0; i < RENDERER_DRAFT_VIEWS; i++) {
+        const struct draft_view *v = &d->view[i];
+        sum += v->picture.target_bytes + v->picture.cache_bytes +
+               v->display.size + v->nodes.first.bytes + v->nodes.rest.bytes;
+    }
+    return sum;
+}
+
+struct draft_view *draft_view_of(struct draft *d,
+                                 const struct renderer_draft *how)
+{
+    struct draft_view *best = &d->view[0];
+    for (int i = 0; i < RENDERER_DRAFT_VIEWS; i++) {
+        struct draft_view *v = &d->view[i];
+        if (v->how.divisor == how->divisor && v->how.stride == how->stride)
+            return v;
+        if (v->age < best->age)
+            best = v;
+    }
+    return best;
+}
+
+void draft_view_take(struct draft *d, struct draft_view *v,
+                     const struct renderer_draft *how)
+{
+    if (v->how.divisor != how->divisor || v->how.stride != how->stride)
+        v->seen = false;
+    v->how.divisor = how->divisor;
+    v->how.stride = how->stride;
+    v->age = ++d->clock;
+}
+
+bool draft_lights_same(const struct draft_lights *a, const struct lights *l)
+{
+    return a->known && a->count == l->used &&
+           memcmp(a->place, l->place, sizeof a->place) == 0;
+}
+
+void draft_lights_note(struct draft_lights *a, const struct lights *l)
+{
+    a->known = true;
+    a->count = l->used;
+    memcpy(a->place, l->place, sizeof a->place);
 }
 
 // Where in 0 .. n - 1 the middle of pixel i of `wanted` lies: before which, and

@@ -59,6 +59,15 @@ const char *const renderer_stage_names[RENDERER_STAGES] = {
 
 // --- life --------------------------------------------------------------------
 
+static void forget_first(struct renderer *r)
+{
+    for (int f = 0; f < 2; f++) {
+        r->first[f].width = 0;
+        for (int i = 0; i < RENDERER_STAGES; i++)
+            r->first[f].ms[i] = -1;
+    }
+}
+
 struct renderer *renderer_create(const char *cache_dir, struct error *err)
 {
     struct renderer *r = bytes_zalloc(1, sizeof *r);
@@ -78,8 +87,8 @@ struct renderer *renderer_create(const char *cache_dir, struct error *err)
         goto fail;
     for (int i = 0; i < RENDERER_STAGES; i++)
         r->stale[i] = true;
-    for (int i = 0; i < RENDERER_STAGES; i++)
-        r->first_ms[i] = -1;
+    r->draft.as_if = RENDERER_STAGES;
+    forget_first(r);
     return r;
 fail:
     renderer_destroy(r);
@@ -128,11 +137,10 @@ static void restart(struct renderer *r, bool refined)
     picture_restart(&r->picture);
     r->samples = 0;
     r->refined = refined;
-    r->draft.shown = false;
+    r->draft.shown = NULL;
 }
 
-// Marks a stage and all that come after it.
-void renderer_mark(struct renderer *r, enum renderer_stage first)
+uint32_t renderer_after(const struct renderer *r, enum renderer_stage first)
 {
     uint32_t marked = BIT(first);
     if (first == RENDERER_TINT && !renderer_tint_apart(&r->params))
@@ -140,6 +148,13 @@ void renderer_mark(struct renderer *r, enum renderer_stage first)
     for (int i = (int)first + 1; i < RENDERER_STAGES; i++)
         if (stages[i].after & marked)
             marked |= BIT(i);
+    return marked;
+}
+
+// Marks a stage and all that come after it.
+void renderer_mark(struct renderer *r, enum renderer_stage first)
+{
+    const uint32_t marked = renderer_after(r, first);
     for (int i = 0; i < RENDERER_STAGES; i++)
         if (marked & BIT(i))
             r->stale[i] = true;
@@ -152,6 +167,7 @@ bool renderer_set_groom(struct renderer *r, struct groom *g, struct error *err)
 {
     struct strands built = {0};
     egl_use(r->egl);
+    const double began = timer_now();
     if (!strands_build(&built, g, &r->params, err)) {
         groom_destroy(g);
         return false;
@@ -161,6 +177,8 @@ bool renderer_set_groom(struct renderer *r, struct groom *g, struct error *err)
     strands_finish(&r->strands);
     r->strands = built;
     r->grid_stale = true;
+    forget_first(r);
+    r->first[0].ms[RENDERER_STRANDS] = 1e3 * (timer_now() - began);
     renderer_mark(r, RENDERER_STRANDS);
     r->stale[RENDERER_STRANDS] = false; // its work is done; what follows is not
     return true;
@@ -173,6 +191,7 @@ bool renderer_set_sky(struct renderer *r, struct sky_map *m, struct error *err)
     sky_map_destroy(r->map);
     r->map = m;
     display_forget_sky(&r->display);
+    renderer_draft_fitted(r, NULL);
     renderer_mark(r, RENDERER_SKY);
     return true;
 }
@@ -184,7 +203,7 @@ bool renderer_set_params(struct renderer *r, const struct params *p)
     egl_use(r->egl);
     // More samples only continue a picture; fewer begin it anew.
     if (p->quality.samples < r->samples)
-        restart(r, false);
+        renderer_mark(r, RENDERER_SHADE);
     before.quality.samples = p->quality.samples;
     before.quality.error_places = p->quality.error_places; // no pixel's affair
     before.quality.draft_ms = p->quality.draft_ms;
@@ -260,15 +279,37 @@ static bool run_setup(struct renderer *r, struct error *err)
     return true;
 }
 
-// What a first sample takes, stage by stage (renderer_forecast).
+static const struct renderer_first *first_of_size(const struct renderer *r)
+{
+    for (int i = 0; i < 2; i++)
+        if (r->first[i].width == r->params.image.width &&
+            r->first[i].height == r->params.image.height)
+            return &r->first[i];
+    return NULL;
+}
+
+const struct renderer_first *renderer_first_of(const struct renderer *r)
+{
+    const struct renderer_first *f = first_of_size(r);
+    return f ? f : r->first[0].width > 0 ? &r->first[0] : NULL;
+}
+
+// What a first sample takes, stage by stage (renderer_forecast); a capture of
+// another size does not disturb what is known of this one.
 static void remember_first(struct renderer *r)
 {
     if (r->samples != 1 || r->refined || r->layers.on)
         return;
+    const struct renderer_first *same = first_of_size(r);
+    struct renderer_first f = same ? *same : r->first[0];
+    f.width = r->params.image.width;
+    f.height = r->params.image.height;
     for (int i = 0; i < RENDERER_STAGES; i++)
         if (r->stats.stage_ms[i] >= 0)
-            r->first_ms[i] = r->stats.stage_ms[i];
-    r->first_done = true;
+            f.ms[i] = r->stats.stage_ms[i];
+    if (same != &r->first[0])
+        r->first[1] = r->first[0];
+    r->first[0] = f;
 }
 
 bool renderer_step(struct renderer *r, bool *done, struct error *err)

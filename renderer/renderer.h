@@ -46,9 +46,11 @@ struct renderer_left_out { // what this scene did not need
 struct renderer_draft {
     int divisor; // of width and height, 1 to RENDERER_DRAFT_MOST
     int stride;  // every so many-th strand, as many times as wide; the same
-    bool coarse; // set by renderer_draft: shadows are a coarse field's
+    // Set by renderer_draft:
+    bool coarse; // shadows are a coarse field's
+    bool fitted; // lights are those of a sky fit that was there already
 };
-enum { RENDERER_DRAFT_MOST = 16 };
+enum { RENDERER_DRAFT_MOST = 16, RENDERER_DRAFT_VIEWS = 4 };
 
 struct renderer_stats {
     double stage_ms[RENDERER_STAGES]; // of the last step; < 0: did not run
@@ -62,6 +64,7 @@ struct renderer_stats {
     struct renderer_left_out left_out[12];
     int left_out_count;
     float diameter;          // in use, file units (see hair.diameter)
+    double strand_pixels;    // how wide that is at the camera's target
     int up;                  // 0, 1, 2: the axis taken as up (see hair.up)
     float eye[3], target[3]; // in use, world (see camera.eye = auto)
     const char *path;        // that drew it: a word of render.path
@@ -96,18 +99,35 @@ bool renderer_set_params(struct renderer *r, const struct params *p);
 bool renderer_step(struct renderer *r, bool *done, struct error *err);
 
 // What the first sample of the picture as it is asked for now would take, by
-// stage, going by what these stages took in the newest such sample: ms, < 0: it
-// would not run.  False where there is nothing to go by, where a sample is
-// there already, or where there are no drafts: of another hair or fit, with
-// render.path=forward, with shadow.method=map, of parts as layers.
+// stage, going by what these stages took in the newest such sample of this
+// size: ms, < 0: it would not run.  False where there is nothing to go by,
+// where a sample is there already, or where there are no drafts: of another
+// sky, with render.path=forward, with shadow.method=map, of parts as layers.
 bool renderer_forecast(const struct renderer *r, double ms[RENDERER_STAGES]);
-// Makes a draft of that picture, apart from it: smaller, of fewer strands, and
-// where the lights moved with shadows of a coarse field.  Its time is in
-// stage_ms of the stats.  Where renderer_forecast returns true.  What is asked
-// of the picture itself stays asked, and comes out the same bit for bit.
-// Memory is taken with the first draft.
+// The same of an edit to come that would make `first` and what follows from it
+// stale; of a picture that has samples already.
+bool renderer_foresee(const struct renderer *r, enum renderer_stage first,
+                      double ms[RENDERER_STAGES]);
+// Makes a draft of the picture as it is asked for, apart from it: smaller, of
+// fewer strands, and where lights or hair moved with shadows of a coarse field.
+// Where the sky has to be fitted anew, with lights out of an earlier fit.  Its
+// time is in stage_ms of the stats.  Where renderer_forecast returns true. What
+// is asked of the picture itself stays asked, and comes out the same bit for
+// bit.  how->stride may come back larger: not all strands have what they need.
+// Memory is taken with the first draft of a size.
 bool renderer_draft(struct renderer *r, struct renderer_draft *how,
                     struct error *err);
+// Drafts whose camera and hair are those asked for, so that they need no
+// raster: into out, most recent first; returns how many.
+int renderer_drafts_seen(const struct renderer *r,
+                         struct renderer_draft out[RENDERER_DRAFT_VIEWS]);
+// Makes the draft that an edit of `first` (STRANDS, CROSSINGS, VISIBLE or
+// FIBRE) would get, for nobody to see: what it needs is there then, and ms is
+// what its stages took.  Where renderer_foresee returns true.  The picture goes
+// on as if nothing had been, and so do the stats.
+bool renderer_rehearse(struct renderer *r, enum renderer_stage first,
+                       struct renderer_draft *how, double ms[RENDERER_STAGES],
+                       struct error *err);
 
 // The display picture of the samples so far: straight-alpha RGBA8, top row
 // first, image.width x image.height, into *out (cleared first).  Before the

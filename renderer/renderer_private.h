@@ -1,7 +1,8 @@
 // renderer_private.h - the renderer's inside, shared by its files: renderer.c
 // (what is stale), renderer_setup.c (stages that set up), renderer_sample.c (a
-// sample, reading), renderer_draft.c (drafts), renderer_places.c (places for
-// comparison), renderer_report.c (stats).
+// sample, reading), renderer_draft.c and renderer_draft_parts.c (drafts and
+// what they are made of), renderer_places.c (places for comparison),
+// renderer_report.c (stats).
 #ifndef RENDERER_RENDERER_PRIVATE_H
 #define RENDERER_RENDERER_PRIVATE_H
 
@@ -53,17 +54,35 @@ struct renderer {
     int samples;                 // in the picture's sum
     bool refined;                // the picture's shadows are by rays
     struct renderer_stats stats;
-    double first_ms[RENDERER_STAGES]; // of the newest first sample that ran
-                                      // the stage; < 0: none did
-    bool first_done;                  // there was one, of this groom and size
+    struct renderer_first {         // of the newest first sample of a size
+        int width, height;          // 0: there was none
+        double ms[RENDERER_STAGES]; // that ran the stage; < 0: none did
+    } first[2];                     // the newer size first
     struct draft draft;
 };
+
+// Of the size that is asked for, or else the newest; NULL: there was none.
+const struct renderer_first *renderer_first_of(const struct renderer *r);
+// Bits of a stage and all that come after it.
+uint32_t renderer_after(const struct renderer *r, enum renderer_stage first);
 
 // What a stage reads changed (first: the first stage that is marked).
 void renderer_draft_mark(struct renderer *r, enum renderer_stage first);
 // As renderer_read_display, of the draft.
 bool renderer_draft_read(struct renderer *r, struct buf *out,
                          struct error *err);
+// A sky was fitted, or (fit NULL) there is another sky.
+void renderer_draft_fitted(struct renderer *r, const struct sky_fit *fit);
+
+// --- renderer_draft_parts.c
+// Parameters of the whole picture as a draft of that size has them.
+struct params renderer_draft_params(const struct renderer *r, int divisor);
+// Does the draft at hand have strands of its own?
+bool renderer_draft_owns_strands(const struct renderer *r);
+// Makes what the draft at hand (draft.now) needs, where it is not there; true
+// when it is.
+bool renderer_draft_parts(struct renderer *r, struct error *err);
+
 // Runs a stage that sets up if it is stale.
 bool renderer_run_setup(struct renderer *r, enum renderer_stage i,
                         struct error *err);
@@ -89,6 +108,14 @@ bool renderer_mapped(const struct renderer *r);
 // Rays for each light and place of a refined picture; 0 where none are asked
 // for, or where the lists that they need have no room.
 int renderer_rays(const struct renderer *r);
+
+// The stages light and tint, of another fit than the one asked for.
+void renderer_light_by(struct renderer *r, struct sky_fit *fit);
+// The stage fibre, but for the axis of the strands.
+void renderer_shade_by(struct renderer *r, const struct strands *s);
+// Fills directions for the lights as they stand; returns how many.
+int renderer_crossings_lights(const struct renderer *r,
+                              struct crossings_light out[LIGHTS_MAX]);
 
 typedef bool renderer_setup_fn(struct renderer *r, struct error *err);
 renderer_setup_fn renderer_setup_strands, renderer_setup_sky,

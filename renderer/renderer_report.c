@@ -66,6 +66,19 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
         leave_out(s, "sky_picture", 0, "view.background does not show the sky");
 }
 
+// Of the picture that is asked for.
+static double strand_pixels(const struct renderer *r)
+{
+    const struct camera *c = &r->camera;
+    double depth = 0;
+    for (int k = 0; k < 3; k++)
+        depth += (double)((c->target[k] - c->eye[k]) * c->forward[k]);
+    return depth > 0
+               ? (double)r->strands.diameter_max * 0.5 *
+                     r->params.image.height / ((double)c->tan_half * depth)
+               : 0;
+}
+
 void renderer_stats(const struct renderer *r, struct renderer_stats *out)
 {
     static const char *const paths[] = {[RENDERER_DIRECT] = "direct",
@@ -77,6 +90,7 @@ void renderer_stats(const struct renderer *r, struct renderer_stats *out)
     out->lights_used = r->lights.used;
     out->lights_fitted = r->lights.fitted;
     out->diameter = r->strands.diameter;
+    out->strand_pixels = strand_pixels(r);
     out->up = r->strands.up;
     memcpy(out->eye, r->camera.eye, sizeof out->eye);
     memcpy(out->target, r->camera.target, sizeof out->target);

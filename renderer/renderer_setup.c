@@ -13,9 +13,12 @@ bool renderer_setup_strands(struct renderer *r, struct error *err)
 
 bool renderer_setup_sky(struct renderer *r, struct error *err)
 {
-    return sky_fit_run(r->map, r->params.sky.lights,
-                       (enum sky_fit_mode)r->params.sky.fit, r->cache_dir,
-                       &r->fit, err);
+    if (!sky_fit_run(r->map, r->params.sky.lights,
+                     (enum sky_fit_mode)r->params.sky.fit, r->cache_dir,
+                     &r->fit, err))
+        return false;
+    renderer_draft_fitted(r, &r->fit);
+    return true;
 }
 
 bool renderer_setup_light(struct renderer *r, struct error *err)
@@ -40,6 +43,14 @@ bool renderer_tint_apart(const struct params *p)
 {
     struct lights_sun sun[LIGHTS_SUNS];
     return lights_suns(p, sun) == 0 && shading_adds_up(p);
+}
+
+void renderer_light_by(struct renderer *r, struct sky_fit *fit)
+{
+    const bool moved = lights_put(&r->lights, fit, &r->params);
+    r->directions_stale |= moved;
+    r->stale[RENDERER_FIBRE] |= r->shading.shadowed != renderer_shadowed(r);
+    lights_tint(&r->lights, fit, &r->params, renderer_tint_apart(&r->params));
 }
 
 bool renderer_shadowed(const struct renderer *r)
@@ -78,16 +89,23 @@ static bool build_grid(struct renderer *r, struct error *err)
     return true;
 }
 
+int renderer_crossings_lights(const struct renderer *r,
+                              struct crossings_light out[LIGHTS_MAX])
+{
+    for (int j = 0; j < r->lights.used; j++) {
+        const struct lights_place *from = &r->lights.place[j];
+        memcpy(out[j].direction, from->direction, sizeof from->direction);
+        out[j].lambda = from->lambda;
+    }
+    return r->lights.used;
+}
+
 static bool update_directions(struct renderer *r, struct error *err)
 {
     struct crossings_light light[LIGHTS_MAX];
-    for (int j = 0; j < r->lights.used; j++) {
-        const struct lights_place *from = &r->lights.place[j];
-        memcpy(light[j].direction, from->direction, sizeof from->direction);
-        light[j].lambda = from->lambda;
-    }
+    const int count = renderer_crossings_lights(r, light);
     r->directions_quality = r->params.shadow.directions;
-    if (!crossings_update(&r->crossings, light, r->lights.used,
+    if (!crossings_update(&r->crossings, light, count,
                           (enum crossings_quality)r->directions_quality, err))
         return false;
     r->directions_stale = false;
@@ -118,7 +136,7 @@ static bool grid_due(const struct renderer *r)
 
 bool renderer_crossings_due(const struct renderer *r)
 {
-    return grid_due(r) || r->directions_stale ||
+    return r->stale[RENDERER_STRANDS] || grid_due(r) || r->directions_stale ||
            r->directions_quality != r->params.shadow.directions;
 }
 
@@ -161,13 +179,20 @@ static void choose_path(struct renderer *r)
     forward_drop(&r->forward);
 }
 
-bool renderer_setup_fibre(struct renderer *r, struct error *err)
+void renderer_shade_by(struct renderer *r, const struct strands *s)
 {
     choose_path(r);
+    shading_update(&r->shading, &r->params, s, renderer_shadowed(r));
+    r->draft.shading = true;
+    r->draft.coloured = s->colour != 0;
+}
+
+bool renderer_setup_fibre(struct renderer *r, struct error *err)
+{
     if (shading_wants_axis(&r->params) &&
         !strands_build_axis(&r->strands, r->groom, err))
         return false;
-    shading_update(&r->shading, &r->params, &r->strands, renderer_shadowed(r));
+    renderer_shade_by(r, &r->strands);
     return true;
 }
 

@@ -73,6 +73,11 @@ struct sky_fit {
 bool sky_fit_run(const struct sky_map *map, int lights, enum sky_fit_mode mode,
                  const char *cache_dir, struct sky_fit *fit, struct error *err);
 
+// At most `lights` (1..) of a fit's lights, of the same energy in each channel:
+// some are put together.  Where the fit has no more than that they are its own.
+// Microseconds; not as near to the sky as a fit of so many.
+void sky_fit_fewer(const struct sky_fit *from, int lights, struct sky_fit *out);
+
 // Radiance of the lights' sum in a direction (unit), for pictures and tests.
 void sky_fit_eval(const struct sky_fit *fit, const double direction[3],
                   double rgb[3]);

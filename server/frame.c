@@ -61,6 +61,8 @@ static void put_draft(struct json *j, const struct renderer_draft *d)
     json_put_int(j, "divisor", d->divisor);
     json_put_int(j, "stride", d->stride);
     json_put_bool(j, "coarse_shadows", d->coarse);
+    if (d->fitted)
+        json_put_bool(j, "earlier_fit", true);
     json_close_object(j);
 }
 

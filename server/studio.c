@@ -10,6 +10,7 @@
 
 #include "renderer/encode.h"
 #include "server/clock.h"
+#include "server/rehearsal.h"
 
 // What changes these leaves the picture's samples as they are, and the tint's
 // group where the renderer says so (renderer.h).
@@ -20,6 +21,7 @@ static void restart(struct studio *s)
     s->samples = 0;
     s->done = false;
     s->draft.divisor = 0;
+    s->rehearsals = STUDIO_REHEARSALS;
 }
 
 bool studio_set_hair(struct studio *s, struct assets_hair *h, struct error *err)
@@ -91,7 +93,7 @@ bool studio_step(struct studio *s, bool *done, struct error *err)
     struct renderer_stats stats;
     renderer_stats(s->renderer, &stats);
     s->samples = stats.samples;
-    if (s->samples == 1 && !stats.refined)
+    if (s->samples == 1 && !stats.refined && s->live) // not a capture's
         haste_full(&s->haste, stats.stage_ms);
     *done = s->done;
     return true;
@@ -127,15 +129,17 @@ static bool draft(struct studio *s, const struct studio_wish *w)
 {
     const double budget = (double)s->set.quality.draft_ms;
     double forecast[RENDERER_STAGES];
+    struct haste_ask ask;
     struct renderer_draft how;
     struct renderer_stats stats;
     bool shown = false;
     for (int i = 0; i < w->demand_count; i++)
         shown = shown || shows_drafts(&w->demand[i]);
     const int64_t began = clock_us();
+    rehearsal_ask(s->renderer, &s->set, &ask);
     if (!shown || budget <= 0 || s->samples > 0 || !in_haste(w, began) ||
         !renderer_forecast(s->renderer, forecast) ||
-        !haste_choose(&s->haste, forecast, budget, s->set.image.height, &how) ||
+        !haste_choose(&s->haste, forecast, &ask, &how) ||
         !renderer_draft(s->renderer, &how, NULL))
         return false;
     const int64_t whole = (int64_t)(1e3 * haste_full_ms(&s->haste, forecast));
@@ -147,6 +151,20 @@ static bool draft(struct studio *s, const struct studio_wish *w)
     renderer_stats(s->renderer, &stats);
     haste_draft(&s->haste, forecast, &how, stats.stage_ms);
     return true;
+}
+
+// Once a first picture was shown, for the edits to come.
+static bool rehearses(const struct studio *s, const struct studio_wish *w)
+{
+    return s->live && s->samples > 0 && s->rehearsals > 0 && w->viewers > 0 &&
+           s->set.quality.draft_ms > 0;
+}
+
+static void rehearse(struct studio *s)
+{
+    s->rehearsals--;
+    if (!rehearsal_next(&s->haste, s->renderer, &s->set))
+        s->rehearsals = 0;
 }
 
 // --- viewers ----------------------------------------------------------------
@@ -184,7 +202,7 @@ bool studio_wants(const struct studio *s, const struct studio_wish *w,
     const bool waits = only_drafted(s) && now < rests_from(s, w);
     if (waits)
         *until = rests_from(s, w);
-    else if (s->live && !s->done)
+    else if ((s->live && !s->done) || rehearses(s, w))
         return true;
     for (int i = 0; i < w->demand_count; i++) {
         const struct studio_demand *d = &w->demand[i];
@@ -217,6 +235,10 @@ bool studio_turn(struct studio *s, const struct studio_wish *w,
     // A draft stays for now, or is made now.
     if (only_drafted(s) ? clock_us() < rests_from(s, w) : draft(s, w))
         return true;
+    if (rehearses(s, w)) {
+        rehearse(s);
+        return true;
+    }
     bool done;
     if (studio_step(s, &done, err))
         return true;

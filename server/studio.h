@@ -26,6 +26,8 @@ enum {
     // After a draft the full picture waits for the hand to rest: as long as it
     // would hold up the next edit, at most so long.
     STUDIO_REST_US = 150000,
+    // Drafts made at rest after an edit, at most: more would be to and fro.
+    STUDIO_REHEARSALS = 16,
     STUDIO_HASTE_QUALITY = 75, // 4:2:0
     STUDIO_REST_QUALITY = 90   // 4:4:4
 };
@@ -85,6 +87,7 @@ struct studio {
     struct renderer_draft draft; // shown while samples is 0; divisor 0: none
     int64_t rest_us;             // after the edit: until then nothing but it
     uint64_t drafts;             // ever
+    int rehearsals;              // that may follow, once there is a picture
     struct haste haste;
 };
 

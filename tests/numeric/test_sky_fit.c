@@ -452,6 +452,48 @@ static void test_modes(void)
     sky_map_destroy(m);
 }
 
+// --- fewer lights out of a fit
+// ------------------------------------------------
+
+static void energy_of(const struct sky_fit *fit, double out[3])
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = 0;
+    for (int j = 0; j < fit->count; j++)
+        for (int c = 0; c < 3; c++)
+            out[c] += fit->light[j].radiance[c] *
+                      sky_lobe_omega(fit->light[j].lambda);
+}
+
+// Energy stays; what is shown is nearer to the map than a single even light.
+static void test_fewer(void)
+{
+    struct error err = {0};
+    struct sky_fit fit, fewer, one;
+    struct sky_map *m = sky_builtin("studio", &err);
+    check_case("fewer lights out of a fit");
+    run(m, 40, &fit);
+    run(m, 1, &one);
+    double all[3], sum[3];
+    energy_of(&fit, all);
+    for (int n = 45; n > 0; n -= n > 10 ? 7 : 1) {
+        sky_fit_fewer(&fit, n, &fewer);
+        CHECK(fewer.count == (n < fit.count ? n : fit.count));
+        energy_of(&fewer, sum);
+        for (int c = 0; c < 3; c++) // sums of 40 roundings of 2^-53
+            CHECK(fabs(sum[c] / all[c] - 1) < 1e-13);
+        for (int j = 0; j < fewer.count; j++) {
+            const struct sky_light *l = &fewer.light[j];
+            const double *d = l->direction;
+            CHECK(fabs(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1) < 1e-9);
+            CHECK(l->lambda > 0 && isfinite(l->lambda));
+        }
+        if (n >= 10)
+            CHECK(picture_error(m, &fewer) < picture_error(m, &one));
+    }
+    sky_map_destroy(m);
+}
+
 int main(int argc, char **argv)
 {
     sky_helper_main(argc, argv);
@@ -466,5 +508,6 @@ int main(int argc, char **argv)
     test_numbers_of_lights();
     test_rolled();
     test_modes();
+    test_fewer();
     return check_end();
 }

@@ -45,11 +45,35 @@ static void edit_size(struct params *p, int k)
     p->image.width = WIDTH + 3 + 10 * k;
     p->image.height = HEIGHT - 5;
 }
+static void edit_diameter(struct params *p, int k)
+{
+    p->hair.diameter = 0.55f + 0.1f * (float)k;
+}
+static void edit_scale(struct params *p, int k)
+{
+    p->hair.scale = 1 + 0.05f * (float)k;
+    p->hair.up = k % 4;
+}
+static void edit_lights(struct params *p, int k)
+{
+    p->sky.lights = 7 - k;
+}
+static void edit_sun(struct params *p, int k)
+{
+    p->sun1.strength = (float)k;
+    p->sky.lights = 5 + k;
+}
+static void edit_voxels(struct params *p, int k)
+{
+    p->shadow.resolution = 32 + 4 * k;
+}
 static void edit_all(struct params *p, int k)
 {
     edit_fibre(p, k);
     edit_camera(p, k);
     edit_sky(p, k);
+    edit_diameter(p, k);
+    edit_lights(p, k);
 }
 
 static const struct edit {
@@ -62,6 +86,11 @@ static const struct edit {
     {"tables", edit_tables},
     {"eccentric", edit_eccentric},
     {"size", edit_size},
+    {"diameter", edit_diameter},
+    {"scale and axis", edit_scale},
+    {"lights", edit_lights},
+    {"sun and lights", edit_sun},
+    {"voxels", edit_voxels},
     {"all at once", edit_all},
 };
 enum { EDITS = sizeof edits / sizeof edits[0] };
@@ -100,8 +129,9 @@ static void law(void)
         for (int k = 0; k < 4; k++) {
             edits[e].run(&p, k);
             renderer_set_params(r, &p);
-            struct buf b = drafted(
-                r, (struct renderer_draft){1 + (k + e) % 4, 1 + k, false});
+            struct buf b =
+                drafted(r, (struct renderer_draft){.divisor = 1 + (k + e) % 4,
+                                                   .stride = 1 + k});
             buf_finish(&b);
         }
         struct buf linear = scene_linear(r), display = scene_display(r);
@@ -131,7 +161,8 @@ static void between(void)
     for (int k = 0; k < 6; k++) {
         edits[k % 3].run(&p, k);
         renderer_set_params(r, &p);
-        struct buf b = drafted(r, (struct renderer_draft){3, 2, false});
+        struct buf b =
+            drafted(r, (struct renderer_draft){.divisor = 3, .stride = 2});
         buf_finish(&b);
         if (k % 2)
             CHECK(renderer_step(r, &done, &err));
@@ -175,15 +206,20 @@ static void nearness(void)
     p.quality.samples = 16;
     p.shadow.rays = 0;
     struct renderer *r = rendered(&p);
-    for (int e = 0; e < 3; e++) {
+    static const int near[] = {0, 1, 2, 6, 7, 8};
+    for (int n = 0; n < 6; n++) {
+        const int e = near[n];
         char name[64];
         snprintf(name, sizeof name, "near the picture: %s", edits[e].name);
         check_case(name);
         edits[e].run(&p, 1);
         renderer_set_params(r, &p);
-        struct buf fine = drafted(r, (struct renderer_draft){2, 1, false});
-        struct buf fewer = drafted(r, (struct renderer_draft){2, 4, false});
-        struct buf small = drafted(r, (struct renderer_draft){4, 4, false});
+        struct buf fine =
+            drafted(r, (struct renderer_draft){.divisor = 2, .stride = 1});
+        struct buf fewer =
+            drafted(r, (struct renderer_draft){.divisor = 2, .stride = 4});
+        struct buf small =
+            drafted(r, (struct renderer_draft){.divisor = 4, .stride = 4});
         struct buf whole = scene_display(r);
         const double dB[3] = {psnr(&fine, &whole, 8), psnr(&fewer, &whole, 8),
                               psnr(&small, &whole, 8)};
@@ -223,7 +259,7 @@ static void stages(void)
 {
     struct params p;
     double ms[RENDERER_STAGES];
-    struct renderer_draft how = {2, 2, false};
+    struct renderer_draft how = {.divisor = 2, .stride = 2};
     base(&p);
     check_case("nothing to forecast");
     struct renderer *r =
@@ -274,16 +310,33 @@ static void stages(void)
     renderer_set_params(r, &p);
     CHECK(!renderer_forecast(r, ms));
     p.shadow.method = 1;
+    renderer_set_params(r, &p);
+    scene_finish(r);
+    check_case("drafts of another hair");
     p.hair.scale = 1.1f;
     renderer_set_params(r, &p);
-    CHECK(!renderer_forecast(r, ms));
-    scene_finish(r);
+    CHECK(renderer_forecast(r, ms));
+    b = drafted(r, how);
+    CHECK(ran(r, RENDERER_STRANDS) && ran(r, RENDERER_CROSSINGS));
+    CHECK(ran(r, RENDERER_VISIBLE) && !ran(r, RENDERER_FIBRE));
+    buf_finish(&b);
     edit_fibre(&p, 3);
     renderer_set_params(r, &p);
-    CHECK(renderer_forecast(r, ms));
     b = drafted(r, how); // of the hair as it is now
-    CHECK(ran(r, RENDERER_VISIBLE));
+    CHECK(ran(r, RENDERER_FIBRE) && !ran(r, RENDERER_STRANDS));
+    CHECK(!ran(r, RENDERER_VISIBLE));
     buf_finish(&b);
+    scene_finish(r);
+    check_case("drafts of another fit");
+    p.sky.lights = 5;
+    renderer_set_params(r, &p);
+    CHECK(renderer_forecast(r, ms) && ms[RENDERER_SKY] >= 0);
+    b = drafted(r, how);
+    CHECK(!ran(r, RENDERER_SKY) && ran(r, RENDERER_LIGHT));
+    buf_finish(&b);
+    struct renderer_stats stats;
+    renderer_stats(r, &stats);
+    CHECK(stats.lights_used <= 5);
     renderer_destroy(r);
 }
 

@@ -27,6 +27,19 @@ static void forecast(const struct machine *m, int kind, double *ms)
 }
 
 // What the draft took, noted as the studio notes it; ms in all.
+static struct haste_ask ask(double budget, int height)
+{
+    return (struct haste_ask){
+        .budget_ms = budget, .height = height, .width_pixels = 0.1};
+}
+
+static bool choose(struct haste *h, const double *ms, double budget, int height,
+                   struct renderer_draft *how)
+{
+    const struct haste_ask a = ask(budget, height);
+    return haste_choose(h, ms, &a, how);
+}
+
 static double take(struct haste *h, const struct machine *m, int kind,
                    const struct renderer_draft *how)
 {
@@ -68,7 +81,7 @@ static void within(const struct machine *m, double budget)
         int changes = 0;
         forecast(m, kind, ms);
         for (int k = 0; k < 40; k++) {
-            CHECK(haste_choose(&h, ms, budget, 480, &how));
+            CHECK(choose(&h, ms, budget, 480, &how));
             changes += k > 0 && (how.divisor != before.divisor ||
                                  how.stride != before.stride);
             before = how;
@@ -89,8 +102,8 @@ static void not_worth_it(void)
     forecast(&quick, FIBRE, ms);
     // 5 + 1 of the stages, 3 to bytes
     CHECK(fabs(haste_full_ms(&h, ms) - 9) < 1e-12);
-    CHECK(!haste_choose(&h, ms, 9, 480, &how));
-    CHECK(haste_choose(&h, ms, 8.99, 480, &how));
+    CHECK(!choose(&h, ms, 9, 480, &how));
+    CHECK(choose(&h, ms, 8.99, 480, &how));
 }
 
 // A raster that is late again and again: fewer strands.  Once: the same.
@@ -100,27 +113,27 @@ static void stride(void)
     struct renderer_draft how, next;
     double ms[RENDERER_STAGES], took[RENDERER_STAGES];
     forecast(&usual, CAMERA, ms);
-    CHECK(haste_choose(&h, ms, 33, 480, &how));
+    CHECK(choose(&h, ms, 33, 480, &how));
     CHECK(how.stride == 2); // .13 x 130 / (.3 x 33)
     for (int i = 0; i < RENDERER_STAGES; i++)
         took[i] = ms[i] < 0 ? -1 : 1;
     took[RENDERER_VISIBLE] = 25;
     haste_draft(&h, ms, &how, took);
-    CHECK(haste_choose(&h, ms, 33, 480, &next) && next.stride == 2);
+    CHECK(choose(&h, ms, 33, 480, &next) && next.stride == 2);
     haste_draft(&h, ms, &how, took);
     haste_draft(&h, ms, &how, took);
-    CHECK(haste_choose(&h, ms, 33, 480, &next) && next.stride == 4);
+    CHECK(choose(&h, ms, 33, 480, &next) && next.stride == 4);
     haste_full(&h, ms); // and it stays so
-    CHECK(haste_choose(&h, ms, 33, 480, &next) && next.stride == 4);
+    CHECK(choose(&h, ms, 33, 480, &next) && next.stride == 4);
     took[RENDERER_VISIBLE] = 4; // until the machine has nothing else to do
     for (int k = 0; k < 8; k++) {
-        CHECK(haste_choose(&h, ms, 33, 480, &next) && next.stride == 4);
+        CHECK(choose(&h, ms, 33, 480, &next) && next.stride == 4);
         haste_draft(&h, ms, &next, took);
     }
-    CHECK(haste_choose(&h, ms, 33, 480, &next) && next.stride == 2);
+    CHECK(choose(&h, ms, 33, 480, &next) && next.stride == 2);
     took[RENDERER_VISIBLE] = 8;
     for (int k = 0; k < 40; k++) { // and no to and fro
-        CHECK(haste_choose(&h, ms, 33, 480, &next) && next.stride == 2);
+        CHECK(choose(&h, ms, 33, 480, &next) && next.stride == 2);
         haste_draft(&h, ms, &next, took);
     }
 }
@@ -131,9 +144,9 @@ static void sizes(void)
     double ms[RENDERER_STAGES];
     forecast(&slow, SKY, ms);
     struct haste h = known(&slow);
-    CHECK(haste_choose(&h, ms, 0.01, 64, &how) && how.divisor == 2);
+    CHECK(choose(&h, ms, 0.01, 64, &how) && how.divisor == 2);
     h = known(&slow);
-    CHECK(haste_choose(&h, ms, 0.01, 2160, &how) &&
+    CHECK(choose(&h, ms, 0.01, 2160, &how) &&
           how.divisor == RENDERER_DRAFT_MOST);
     CHECK(how.stride == 16);
 }
