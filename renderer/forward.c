@@ -19,12 +19,11 @@ enum {
 
 void forward_drop(struct forward *f)
 {
-    const unsigned textures[] = {f->colour, f->id, f->depth};
-    const unsigned targets[] = {f->first, f->target[0], f->target[1]};
-    gl.DeleteTextures(3, textures);
-    gl.DeleteFramebuffers(3, targets);
-    f->colour = f->id = f->depth = 0;
-    f->first = f->target[0] = f->target[1] = 0;
+    gl.DeleteTextures(1, &f->colour);
+    gl.DeleteFramebuffers(2, f->target);
+    for (int i = 0; i < 2; i++)
+        picture_gl_drop(&f->seen[i]);
+    f->colour = f->target[0] = f->target[1] = 0;
     f->width = f->height = 0;
     f->bytes = 0;
     forward_forget(f);
@@ -46,16 +45,6 @@ void forward_forget(struct forward *f)
 {
     f->first_kept = false;
     f->listed = -1;
-}
-
-static unsigned texture(const struct forward *f, GLenum format)
-{
-    unsigned t = 0;
-    gl.CreateTextures(GL_TEXTURE_2D, 1, &t);
-    gl.TextureStorage2D(t, 1, format, f->width, f->height);
-    gl.TextureParameteri(t, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl.TextureParameteri(t, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    return t;
 }
 
 static bool framebuffer(unsigned *out, unsigned colour, unsigned depth)
@@ -81,13 +70,14 @@ static bool fit(struct forward *f, const struct picture *p, struct error *err)
     forward_drop(f);
     f->width = p->width;
     f->height = p->height;
-    f->colour = texture(f, GL_RGBA32F);
-    f->id = texture(f, GL_RG32UI);
-    f->depth = texture(f, GL_DEPTH_COMPONENT32F);
-    f->bytes = (uint64_t)28 * (uint64_t)f->width * (uint64_t)f->height;
-    if (framebuffer(&f->first, f->id, f->depth) &&
-        framebuffer(&f->target[0], f->colour, f->depth) &&
-        framebuffer(&f->target[1], f->colour, p->depth) &&
+    gl.CreateTextures(GL_TEXTURE_2D, 1, &f->colour);
+    gl.TextureStorage2D(f->colour, 1, GL_RGBA32F, f->width, f->height);
+    f->bytes = (uint64_t)(16 + 2 * PICTURE_GL_PIXEL) * (uint64_t)f->width *
+               (uint64_t)f->height;
+    if (picture_gl_target(&f->seen[0], f->width, f->height, err) &&
+        picture_gl_target(&f->seen[1], f->width, f->height, err) &&
+        framebuffer(&f->target[0], f->colour, f->seen[0].depth) &&
+        framebuffer(&f->target[1], f->colour, f->seen[1].depth) &&
         gl_check("forward targets", err))
         return true;
     forward_drop(f);
@@ -110,7 +100,7 @@ bool forward_see(struct forward *f, struct picture *p, const struct strands *s,
     if (!fit(f, p, err))
         return false;
     f->listed = -1;
-    if (!picture_raster(p, s, k == 0 ? f->first : p->target, err))
+    if (!picture_gl_raster(&p->drawn, s, &f->seen[k > 0], err))
         return false;
     f->first_kept |= k == 0;
     return true;
@@ -119,9 +109,9 @@ bool forward_see(struct forward *f, struct picture *p, const struct strands *s,
 void forward_bind(const struct forward *f, const struct picture *p, int k)
 {
     const GLfloat nothing[4] = {0, 0, 0, 0};
-    gl.ClearNamedFramebufferfv(f->target[k == 0 ? 0 : 1], GL_COLOR, 0, nothing);
+    gl.ClearNamedFramebufferfv(f->target[k > 0], GL_COLOR, 0, nothing);
     picture_bind(p);
-    gl.BindTextureUnit(ID_UNIT, k == 0 ? f->id : p->id);
+    gl.BindTextureUnit(ID_UNIT, f->seen[k > 0].id);
 }
 
 bool forward_list(struct forward *f, struct picture *p, int k)
@@ -183,7 +173,7 @@ static void pass_over(const struct forward_pass *q,
         if (programs[i])
             gl.ProgramUniform2ui(programs[i], LIGHTS_LOCATION, (GLuint)first,
                                  (GLuint)end);
-    picture_draw(q->picture, q->strands, v->thin, v->wide);
+    picture_gl_draw(&q->picture->drawn, q->strands, v->thin, v->wide);
 }
 
 bool forward_shade(struct forward *f, const struct forward_pass *q, int k,
@@ -202,7 +192,7 @@ bool forward_shade(struct forward *f, const struct forward_pass *q, int k,
     for (int i = 0; i < 2; i++)
         if (programs[i])
             shading_bind_inputs(q->shading, programs[i], q->strands, q->nodes);
-    const unsigned target = f->target[k == 0 ? 0 : 1];
+    const unsigned target = f->target[k > 0];
     gl.BindFramebuffer(GL_FRAMEBUFFER, target);
     gl.Viewport(0, 0, f->width, f->height);
     gl.DepthMask(GL_FALSE);
@@ -221,7 +211,7 @@ bool forward_shade(struct forward *f, const struct forward_pass *q, int k,
     gl.Disable(GL_BLEND);
     gl.DepthMask(GL_TRUE);
     gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
-    gl.TextureBarrier(); // as in picture_raster
+    gl.TextureBarrier(); // as in picture_gl_raster
     return true;
 }
 

@@ -30,16 +30,15 @@ struct forward_variant {
     unsigned age;
 };
 
-struct forward {        // zero-initialised is empty
-    bool centres;       // shade at the middle of cells; set by tests
-    int lights_a_pass;  // 0: the paper's 16; set by benches
-    int width, height;  // of what is below
-    unsigned colour;    // RGBA32F: what the passes add up
-    unsigned id, depth; // the first sample's
-    unsigned first;     // framebuffer of these two
-    unsigned target[2]; // colour with the first sample's depth, with another's
-    bool first_kept;    // id and depth hold this picture's first sample
-    int listed;         // the sample whose fragments are listed; -1: none
+struct forward {       // zero-initialised is empty
+    bool centres;      // shade at the middle of cells; set by tests
+    int lights_a_pass; // 0: the paper's 16; set by benches
+    int width, height; // of what is below
+    unsigned colour;   // RGBA32F: what the passes add up
+    struct picture_gl_target seen[2]; // by the first sample, by another
+    unsigned target[2];               // colour with the depth of each
+    bool first_kept;       // seen[0] holds this picture's first sample
+    int listed;            // the sample whose fragments are listed; -1: none
     uint32_t first_places; // fragments of the first sample
     unsigned number, add;  // programs
     struct forward_variant variant[FORWARD_VARIANTS];

@@ -53,6 +53,7 @@
     F(PROGRAMUNIFORM4F, ProgramUniform4f)                                      \
     F(PROGRAMUNIFORM2UI, ProgramUniform2ui)                                    \
     F(PROGRAMUNIFORM3UI, ProgramUniform3ui)                                    \
+    F(PROGRAMUNIFORM4UI, ProgramUniform4ui)                                    \
     F(CREATEBUFFERS, CreateBuffers)                                            \
     F(NAMEDBUFFERSTORAGE, NamedBufferStorage)                                  \
     F(NAMEDBUFFERSUBDATA, NamedBufferSubData)                                  \

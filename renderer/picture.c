@@ -3,20 +3,13 @@
 #include "renderer/picture.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "protocol/bytes.h"
 #include "renderer/gl.h"
 #include "renderer/program.h"
 
-enum {
-    HEAD_VERTICES = 96 * 48 * 6,
-    DISPATCH_OFFSET = 16,
-    LIST_END = 32,
-    OPACITY_BINDING = 12, // visible.vert
-    QUADS = 16384         // a draw: as many as 16-bit indices reach
-};
+enum { DISPATCH_OFFSET = 16, LIST_END = 32 };
 
 struct scene_std140 { // scene.glsl
     float view_proj[16], eye[4], size[4], jitter[4], right[4], up[4],
@@ -26,42 +19,13 @@ struct scene_std140 { // scene.glsl
     float mask[4], share[4];
 };
 
-static bool rasters(struct picture *p, bool opacity, struct error *err)
-{
-    gl.DeleteProgram(p->thin);
-    gl.DeleteProgram(p->wide);
-    p->thin = program_raster("visible.vert", "visible.frag",
-                             opacity ? "WITH_OPACITY" : NULL, err);
-    p->wide = program_raster("visible.vert", "visible.frag",
-                             opacity ? "WIDE WITH_OPACITY" : "WIDE", err);
-    p->opacity_variant = opacity;
-    return p->thin && p->wide; // 0 where one failed: tried again next time
-}
-
-// Quads share their corners, so a corner is transformed once.
-static void quad_indices(struct picture *p)
-{
-    static const uint16_t corner[6] = {0, 1, 2, 1, 3, 2};
-    uint16_t *index = bytes_alloc(6 * QUADS * sizeof *index);
-    for (size_t q = 0; q < QUADS; q++)
-        for (size_t c = 0; c < 6; c++)
-            index[6 * q + c] = (uint16_t)(4 * q + corner[c]);
-    gl.CreateBuffers(1, &p->quads);
-    gl.NamedBufferStorage(p->quads, 6 * QUADS * sizeof *index, index, 0);
-    gl.VertexArrayElementBuffer(p->vertices, p->quads);
-    free(index);
-}
-
 bool picture_init(struct picture *p, struct error *err)
 {
     memset(p, 0, sizeof *p);
-    gl.CreateVertexArrays(1, &p->vertices);
-    quad_indices(p);
     gl.CreateBuffers(1, &p->scene);
     gl.NamedBufferStorage(p->scene, sizeof(struct scene_std140), NULL,
                           GL_DYNAMIC_STORAGE_BIT);
-    return rasters(p, false, err) &&
-           (p->solid = program_raster("head.vert", "head.frag", NULL, err)) &&
+    return raster_init(&p->raster, err) &&
            (p->cells = program_compute("cells.comp", NULL, err)) &&
            (p->count = program_compute("count.comp", NULL, err)) &&
            (p->add = program_compute("accumulate.comp", NULL, err));
@@ -72,24 +36,20 @@ static void drop_targets(struct picture *p)
     const unsigned buffers[] = {p->keys, p->radiance, p->list, p->counts,
                                 p->map,  p->sum,      p->head};
     gl.DeleteBuffers(7, buffers);
-    const unsigned textures[] = {p->id, p->depth};
-    gl.DeleteTextures(2, textures);
-    gl.DeleteFramebuffers(1, &p->target);
+    picture_gl_drop(&p->target);
     p->keys = p->radiance = p->list = p->counts = p->map = p->sum = p->head = 0;
-    p->id = p->depth = p->target = 0;
     p->width = p->height = 0;
 }
 
 void picture_finish(struct picture *p)
 {
     drop_targets(p);
-    const unsigned programs[] = {p->thin,  p->wide,  p->solid,
-                                 p->cells, p->count, p->add};
-    for (int i = 0; i < 6; i++)
+    raster_finish(&p->raster);
+    picture_gl_finish(&p->drawn);
+    const unsigned programs[] = {p->cells, p->cells_drawn, p->count, p->add};
+    for (int i = 0; i < 4; i++)
         gl.DeleteProgram(programs[i]);
     gl.DeleteBuffers(1, &p->scene);
-    gl.DeleteBuffers(1, &p->quads);
-    gl.DeleteVertexArrays(1, &p->vertices);
     memset(p, 0, sizeof *p);
 }
 
@@ -101,27 +61,6 @@ static unsigned buffer(size_t bytes, const char *name, uint64_t *total)
     gl.ObjectLabel(GL_BUFFER, b, -1, name);
     *total += bytes;
     return b;
-}
-
-static bool targets(struct picture *p, struct error *err)
-{
-    gl.CreateTextures(GL_TEXTURE_2D, 1, &p->id);
-    gl.TextureStorage2D(p->id, 1, GL_RG32UI, p->width, p->height);
-    gl.TextureParameteri(p->id, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl.TextureParameteri(p->id, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    gl.CreateTextures(GL_TEXTURE_2D, 1, &p->depth);
-    gl.TextureStorage2D(p->depth, 1, GL_DEPTH_COMPONENT32F, p->width,
-                        p->height);
-    gl.CreateFramebuffers(1, &p->target);
-    gl.NamedFramebufferTexture(p->target, GL_COLOR_ATTACHMENT0, p->id, 0);
-    gl.NamedFramebufferTexture(p->target, GL_DEPTH_ATTACHMENT, p->depth, 0);
-    if (gl.CheckNamedFramebufferStatus(p->target, GL_FRAMEBUFFER) !=
-        GL_FRAMEBUFFER_COMPLETE)
-        return error_set(err, "gpu", "image",
-                         "the driver cannot draw into a %d x %d picture",
-                         p->width, p->height);
-    p->target_bytes = (uint64_t)12 * (uint64_t)p->width * (uint64_t)p->height;
-    return true;
 }
 
 static uint64_t power_of_two(uint64_t n)
@@ -183,8 +122,8 @@ bool picture_resize(struct picture *p, const struct params *params,
     drop_targets(p);
     p->width = params->image.width;
     p->height = params->image.height;
-    if (!targets(p, err) || !cell_store(p, params, err) ||
-        !gl_check("picture buffers", err)) {
+    p->target_bytes = 0;
+    if (!cell_store(p, params, err) || !gl_check("picture buffers", err)) {
         drop_targets(p);
         return false;
     }
@@ -281,59 +220,40 @@ void picture_bind(const struct picture *p)
         gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 4 + i, buffers[i]);
 }
 
-void picture_draw(const struct picture *p, const struct strands *s,
-                  unsigned thin, unsigned wide)
+bool picture_draws(const struct picture *p, const struct strands *s)
 {
-    gl.BindVertexArray(p->vertices);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, s->position);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, s->strand);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, OPACITY_BINDING, s->opacity);
-    const GLsizei segments = (GLsizei)s->points - 1;
-    if (s->draw_thin) {
-        gl.UseProgram(thin);
-        gl.DrawArrays(GL_LINES, 0, 2 * segments);
-    }
-    if (s->draw_wide) {
-        gl.UseProgram(wide);
-        for (GLsizei at = 0; at < segments; at += QUADS) {
-            GLsizei n = segments - at < QUADS ? segments - at : QUADS;
-            gl.DrawElementsBaseVertex(GL_TRIANGLES, 6 * n, GL_UNSIGNED_SHORT,
-                                      NULL, 4 * at);
-        }
-    }
+    return p->always_drawn || !s->points_texture;
 }
 
-bool picture_raster(struct picture *p, const struct strands *s, unsigned target,
-                    struct error *err)
+// By the driver's raster, and cells from its ids.
+static bool draw(struct picture *p, const struct strands *s, struct error *err)
 {
-    const GLuint none[4] = {0, 0, 0, 0};
-    const GLfloat far = 0;
-    const bool opacity = s->opacity != 0;
-    const bool made = p->thin && p->wide && opacity == p->opacity_variant;
-    if (!made && !rasters(p, opacity, err))
+    const bool sized = p->target.framebuffer != 0;
+    if (!picture_gl_target(&p->target, p->width, p->height, err) ||
+        !picture_gl_raster(&p->drawn, s, &p->target, err))
         return false;
-    gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    gl.BindFramebuffer(GL_FRAMEBUFFER, target);
-    gl.Viewport(0, 0, p->width, p->height);
-    gl.ClearNamedFramebufferuiv(target, GL_COLOR, 0, none);
-    gl.ClearNamedFramebufferfv(target, GL_DEPTH, 0, &far);
-    gl.Enable(GL_DEPTH_TEST);
-    gl.DepthFunc(GL_GREATER);
-    if (s->has_head) {
-        gl.BindVertexArray(p->vertices);
-        gl.UseProgram(p->solid);
-        gl.DrawArrays(GL_TRIANGLES, 0, HEAD_VERTICES);
-    }
-    picture_draw(p, s, p->thin, p->wide);
-    gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
-    // Read next.  GL orders that by itself, but Mesa's llvmpipe can let a
-    // dispatch begin to read what is still being drawn.
-    gl.TextureBarrier();
+    if (!sized)
+        p->target_bytes += (uint64_t)PICTURE_GL_PIXEL * (uint64_t)p->width *
+                           (uint64_t)p->height;
+    if (!p->cells_drawn)
+        p->cells_drawn = program_compute("cells.comp", "DRAWN", err);
+    gl.BindTextureUnit(0, p->target.id);
+    gl.UseProgram(p->cells_drawn);
+    return p->cells_drawn != 0;
+}
+
+static bool walk(struct picture *p, const struct strands *s,
+                 const struct camera *c, struct error *err)
+{
+    const struct raster_view view = {s, c, p->width, p->height};
+    if (!raster_see(&p->raster, &view, err))
+        return false;
+    gl.UseProgram(p->cells);
     return true;
 }
 
-bool picture_see(struct picture *p, const struct strands *s, int k,
-                 struct error *err)
+bool picture_see(struct picture *p, const struct strands *s,
+                 const struct camera *c, int k, struct error *err)
 {
     const uint64_t pixels = (uint64_t)p->width * (uint64_t)p->height;
     if (k >= p->seen && p->listed + pixels > p->slots / 2) {
@@ -341,11 +261,9 @@ bool picture_see(struct picture *p, const struct strands *s, int k,
         p->flushed = true;
         p->seen = k;
     }
-    if (!picture_raster(p, s, p->target, err))
+    if (!(picture_draws(p, s) ? draw(p, s, err) : walk(p, s, c, err)))
         return false;
     picture_bind(p);
-    gl.BindTextureUnit(0, p->id);
-    gl.UseProgram(p->cells);
     gl.DispatchCompute((GLuint)(p->width + 7) / 8, (GLuint)(p->height + 7) / 8,
                        1);
     gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);

@@ -16,22 +16,24 @@
 #include "protocol/error.h"
 #include "protocol/params.h"
 #include "renderer/camera.h"
+#include "renderer/picture_gl.h"
+#include "renderer/raster.h"
 #include "renderer/strands.h"
 
 enum { PICTURE_SCENE_BINDING = 1, PICTURE_SAMPLES_MAX = 4096 };
 
 struct picture {
     int width, height;
-    unsigned id, depth, target;                    // what the raster writes
-    unsigned keys, radiance, list, counts, map;    // cells.glsl
-    unsigned sum, head;                            // accumulate.comp
-    unsigned scene;                                // uniform block
-    unsigned thin, wide, solid, cells, count, add; // programs
-    bool opacity_variant;
-    unsigned vertices; // a vertex array with nothing but quads' indices
-    unsigned quads;
-    uint32_t slots;  // of the hash table, a power of two
-    int maps;        // samples whose map is kept
+    unsigned keys, radiance, list, counts, map; // cells.glsl
+    unsigned sum, head;                         // accumulate.comp
+    unsigned scene;                             // uniform block
+    unsigned cells, cells_drawn, count, add;    // programs
+    struct raster raster;
+    struct picture_gl drawn;         // the other raster, where it is used
+    struct picture_gl_target target; // the same
+    bool always_drawn;               // set by tests
+    uint32_t slots;                  // of the hash table, a power of two
+    int maps;                        // samples whose map is kept
     int cache_mb;    // quality.cache_mb that all this was sized for
     int seen;        // samples whose cells are listed
     bool flushed;    // the list no longer begins with sample 0
@@ -62,9 +64,11 @@ void picture_restart(struct picture *p); // sample 0 comes next; cells stay
 bool picture_must_see(const struct picture *p, int k);
 // Uploads the scene block for sample k.
 void picture_scene(struct picture *p, const struct picture_scene *s, int k);
-// Raster and cells of sample k.
-bool picture_see(struct picture *p, const struct strands *s, int k,
-                 struct error *err);
+// Raster and cells of sample k, from the camera of the scene block.
+bool picture_see(struct picture *p, const struct strands *s,
+                 const struct camera *c, int k, struct error *err);
+// Is that by the driver's raster, because the other cannot be had for these?
+bool picture_draws(const struct picture *p, const struct strands *s);
 // Binds the cells and counts those that sample k sees first; the caller then
 // binds its program and calls one of these: a thread for each of them, one for
 // each of `cells` of them, or one for each of those and each light.
@@ -73,14 +77,6 @@ void picture_dispatch(const struct picture *p);
 void picture_dispatch_some(const struct picture *p, uint32_t cells);
 void picture_dispatch_lights(const struct picture *p, uint32_t cells,
                              int lights);
-// What picture_see begins with: ids and depths of head and strands into a
-// framebuffer of that kind and size.  The scene block is bound.
-bool picture_raster(struct picture *p, const struct strands *s, unsigned target,
-                    struct error *err);
-// Draws the strands once more, with programs that begin with visible.vert
-// (wide: with WIDE), into the framebuffer that is bound.
-void picture_draw(const struct picture *p, const struct strands *s,
-                  unsigned thin, unsigned wide);
 // For a list of something else than cells: empties it and makes picture_prepare
 // close it as the part of sample k.
 void picture_list(struct picture *p, int k);

@@ -76,17 +76,19 @@ int renderer_drafts_seen(const struct renderer *r,
 // Programs and buffers that do not depend on the picture's size.
 static void lend(struct picture *to, struct picture *from)
 {
-    unsigned *const a[] = {&to->thin,     &to->wide,  &to->solid,
-                           &to->cells,    &to->count, &to->add,
-                           &to->vertices, &to->quads, &to->scene};
-    unsigned *const b[] = {&from->thin,     &from->wide,  &from->solid,
-                           &from->cells,    &from->count, &from->add,
-                           &from->vertices, &from->quads, &from->scene};
+    unsigned *const a[] = {&to->cells, &to->cells_drawn, &to->count, &to->add,
+                           &to->scene};
+    unsigned *const b[] = {&from->cells, &from->cells_drawn, &from->count,
+                           &from->add, &from->scene};
     for (size_t i = 0; i < sizeof a / sizeof a[0]; i++) {
         *a[i] = *b[i];
         *b[i] = 0;
     }
-    to->opacity_variant = from->opacity_variant;
+    to->raster = from->raster;
+    to->drawn = from->drawn;
+    to->always_drawn = from->always_drawn;
+    memset(&from->raster, 0, sizeof from->raster);
+    memset(&from->drawn, 0, sizeof from->drawn);
 }
 
 static void lend_display(struct display *to, struct display *from)

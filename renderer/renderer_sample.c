@@ -208,7 +208,7 @@ static bool see(struct renderer *r, int k, struct error *err)
         if (forward)
             seen = forward_see(&r->forward, p, &r->strands, k, err);
         else
-            seen = picture_see(p, &r->strands, k, err);
+            seen = picture_see(p, &r->strands, &r->camera, k, err);
         if (seen && forward)
             list_fragments(r, k);
         timer_end(&r->timer, RENDERER_VISIBLE);

@@ -177,6 +177,8 @@ static void choose_path(struct renderer *r)
     if (r->picture.width > 0)
         picture_forget(&r->picture);
     forward_drop(&r->forward);
+    if (forward)
+        raster_drop(&r->picture.raster);
 }
 
 void renderer_shade_by(struct renderer *r, const struct strands *s)

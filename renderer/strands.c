@@ -72,6 +72,52 @@ static void fill(struct strands *s, const struct groom *g,
         }
 }
 
+// A sphere (x, y, z, radius) around the box of a group's segments; no segment:
+// radius -1.
+static void bound(const float *position, uint32_t from, uint32_t points,
+                  float out[4])
+{
+    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3], sum = 0;
+    for (int c = 0; c < 3; c++)
+        high[c] = -INFINITY;
+    for (uint32_t i = from; i < from + STRANDS_GROUP && i + 1 < points; i++) {
+        const float *p = position + 4 * (size_t)i;
+        for (int c = 0; c < 3 && p[3] >= 0; c++) {
+            low[c] = fminf(low[c], fminf(p[c], p[c + 4]));
+            high[c] = fmaxf(high[c], fmaxf(p[c], p[c + 4]));
+        }
+    }
+    for (int c = 0; c < 3; c++) {
+        const float half = 0.5f * (high[c] - low[c]);
+        out[c] = low[c] + half;
+        sum += half * half;
+    }
+    // rounding must not leave a point outside
+    out[3] = high[0] < low[0] ? -1 : 1.0001f * sqrtf(sum);
+}
+
+static bool upload_bounds(struct strands *s, const float *position,
+                          struct error *err)
+{
+    s->groups = (s->points + STRANDS_GROUP - 1) / STRANDS_GROUP;
+    float *sphere = bytes_zalloc(4 * (size_t)s->groups, sizeof *sphere);
+    for (uint32_t g = 0; g < s->groups; g++)
+        bound(position, g * STRANDS_GROUP, s->points, sphere + 4 * (size_t)g);
+    const bool ok = upload(&s->bounds, sphere, 16 * (size_t)s->groups,
+                           "strand bounds", err);
+    free(sphere);
+    if (!ok)
+        return false;
+    s->bytes += 16 * (uint64_t)s->groups;
+    GLint most = 0;
+    gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+    if ((GLint64)most < (GLint64)s->points)
+        return true; // drawn by other means (picture_draws)
+    gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &s->points_texture);
+    gl.TextureBuffer(s->points_texture, GL_RGBA32F, s->position);
+    return gl_check("strand points", err);
+}
+
 static bool upload_optional(struct strands *s, const struct groom *g,
                             const struct params *p, struct error *err)
 {
@@ -122,7 +168,7 @@ bool strands_build(struct strands *s, const struct groom *g,
     s->plain_colour[3] = p->hair.use_opacity ? g->default_opacity : 1;
     bool ok = upload(&s->position, position, n * 16, "strand points", err) &&
               upload(&s->strand, strand, n * 4, "strand index", err) &&
-              upload_optional(s, g, p, err);
+              upload_bounds(s, position, err) && upload_optional(s, g, p, err);
     free(position);
     free(strand);
     if (!ok)
@@ -286,7 +332,9 @@ void strands_widths(struct strands *s, const struct camera *c, float scale)
 
 void strands_finish(struct strands *s)
 {
-    unsigned all[] = {s->position, s->strand, s->opacity, s->colour, s->axis};
-    gl.DeleteBuffers(5, all);
+    const unsigned all[] = {s->position, s->strand, s->opacity,
+                            s->colour,   s->axis,   s->bounds};
+    gl.DeleteTextures(1, &s->points_texture);
+    gl.DeleteBuffers(6, all);
     memset(s, 0, sizeof *s);
 }

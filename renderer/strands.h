@@ -17,7 +17,9 @@
 
 struct strands { // zero-initialised is empty
     unsigned position, strand, opacity, colour, axis; // buffers, 0 = not there
-    uint32_t points, strands;
+    unsigned bounds;         // buffer: a sphere around each group's points
+    unsigned points_texture; // position as a texture buffer; 0: too many
+    uint32_t points, strands, groups;
     float diameter; // in use, file units (the largest where it varies)
     float diameter_min, diameter_max; // world
     float plain_colour[4];            // rgb and opacity where there is no array
@@ -29,6 +31,10 @@ struct strands { // zero-initialised is empty
     float head_centre[3], head_radius[3]; // world
     uint64_t bytes;
 };
+
+// Neighbouring segments, of which a raster wants to know at once whether any of
+// them can be seen: group g has the segments that begin at its points.
+enum { STRANDS_GROUP = 8 };
 
 // Uploads what `p`'s group hair asks for.
 bool strands_build(struct strands *s, const struct groom *g,

@@ -30,21 +30,29 @@ const uint CELL_BITS = 9u, CELLS_MAX = 512u;
 
 vec4 clip_of(vec3 p)
 {
-    return view_proj * vec4(p, 1.0);
+    precise vec4 c = view_proj[0] * p.x + view_proj[1] * p.y +
+                     view_proj[2] * p.z + view_proj[3];
+    return c;
 }
 
 vec2 pixel_of(vec4 clip)
 {
-    return 0.5 * clip.xy / max(clip.w, size.w) * size.xy;
+    precise vec2 p = 0.5 * clip.xy / max(clip.w, size.w) * size.xy;
+    return p;
 }
 
-// Cells of the segment that begins at point i, from the unjittered camera, so
-// that every sample finds the same.
+// Cells of the segment between two points, from the unjittered camera, so that
+// every sample finds the same.
+uint cells_between(vec4 clip_a, vec4 clip_b)
+{
+    precise vec2 d = pixel_of(clip_b) - pixel_of(clip_a);
+    precise float n = sqrt(d.x * d.x + d.y * d.y);
+    return clamp(uint(ceil(min(n, 512.0))), 1u, CELLS_MAX);
+}
+
 uint cell_count(uint i)
 {
-    vec2 a = pixel_of(clip_of(points[i].xyz));
-    vec2 b = pixel_of(clip_of(points[i + 1u].xyz));
-    return clamp(uint(ceil(min(length(b - a), 512.0))), 1u, CELLS_MAX);
+    return cells_between(clip_of(points[i].xyz), clip_of(points[i + 1u].xyz));
 }
 
 // Tangent at point i, central difference within its strand.
