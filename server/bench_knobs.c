@@ -112,7 +112,7 @@ static bool apply(struct bench_setting *s, const char *assignments)
     return true;
 }
 
-static bool wanted(const struct bench_setting *s, const char *only)
+bool bench_knobs_wanted(const struct bench_setting *s, const char *only)
 {
     char word[80];
     while (only && *only) {
@@ -160,7 +160,7 @@ int bench_knobs_list(const struct params *base, struct bench_choice *choice,
             }
             name_method(&s);
             if (!repeats(out, n, &s) &&
-                (!choice->only || wanted(&s, choice->only)))
+                (!choice->only || bench_knobs_wanted(&s, choice->only)))
                 out[n++] = s;
         }
     }

@@ -39,6 +39,9 @@ struct bench_choice {
 int bench_knobs_list(const struct params *base, struct bench_choice *choice,
                      struct bench_setting *out);
 
+// Does `only` (as above) let it in?
+bool bench_knobs_wanted(const struct bench_setting *s, const char *only);
+
 bool bench_knobs_forward(const struct params *p); // render.path is forward
 
 // Groups in the order of the table, NULL-terminated; number of one.

@@ -93,8 +93,9 @@ static bool measure(struct bench_scene *s, const struct bench_view *v,
     s->setting = bytes_zalloc(BENCH_KNOBS_MAX, sizeof *s->setting);
     s->row = bytes_zalloc(BENCH_KNOBS_MAX, sizeof *s->row);
     b->row = s->row;
-    const int n = ask->front ? bench_front_list(ask->base, s->setting)
-                             : bench_knobs_list(ask->base, &choice, s->setting);
+    const int n = ask->front
+                      ? bench_front_list(ask->base, choice.only, s->setting)
+                      : bench_knobs_list(ask->base, &choice, s->setting);
     for (int i = 0; ok && i < n; i++) {
         ok = ask->front ? bench_front_row(v, &s->setting[i], &s->row[i], err)
                         : bench_measure_row(v, &s->setting[i], &s->row[i], err);

@@ -3,6 +3,7 @@
 #include "server/bench_time.h"
 
 #include <math.h>
+#include <time.h>
 
 #include "protocol/bytes.h"
 #include "renderer/timer.h"
@@ -51,16 +52,27 @@ bool bench_time_finish(struct renderer *r, const struct params *p,
     return true;
 }
 
-// One edit; ms[RENDERER_STAGES] by stage, then the whole.
+// Behind the stages: the whole, and what this process had of all processors.
+enum { WHOLE = RENDERER_STAGES, CPU, COLUMNS };
+
+static double cpu_ms(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return 1e3 * (double)t.tv_sec + (double)t.tv_nsec / 1e6;
+}
+
+// One edit; ms[COLUMNS].
 static bool one(struct renderer *r, const struct params *p, double *ms,
                 struct error *err)
 {
     struct renderer_stats s;
     struct buf pixels = {0};
-    const double began = timer_now();
+    const double began = timer_now(), cpu = cpu_ms();
     bool ok = bench_time_finish(r, p, ms, err) &&
               renderer_read_display(r, &pixels, err);
-    ms[RENDERER_STAGES] = 1e3 * (timer_now() - began);
+    ms[WHOLE] = 1e3 * (timer_now() - began);
+    ms[CPU] = cpu_ms() - cpu;
     buf_finish(&pixels);
     if (!ok)
         return false;
@@ -81,8 +93,7 @@ bool bench_time(struct renderer *r, const struct params *p,
                 enum bench_edit edit, const struct bench_effort *effort,
                 struct bench_times *out, struct error *err)
 {
-    double ms[RENDERER_STAGES + 1][BENCH_RUNS_MAX],
-        now[RENDERER_STAGES + 1] = {0};
+    double ms[COLUMNS][BENCH_RUNS_MAX], now[COLUMNS] = {0}, crowd = 0;
     const double began = timer_now();
     size_t n = 0;
     for (int k = 0, warm_up = 2; !enough(effort, began, (int)n); k++) {
@@ -93,15 +104,18 @@ bool bench_time(struct renderer *r, const struct params *p,
         if (k == 0 && effort->seconds > 0 &&
             timer_now() - began > effort->seconds / 4)
             warm_up = 1;
-        for (int i = 0; k >= warm_up && i <= RENDERER_STAGES; i++)
+        for (int i = 0; k >= warm_up && i < COLUMNS; i++)
             ms[i][n] = now[i];
+        if (k >= warm_up)
+            crowd = fmax(crowd, now[CPU] / now[WHOLE]);
         n += k >= warm_up;
     }
-    *out = (struct bench_times){.runs = (int)n};
+    *out = (struct bench_times){.runs = (int)n, .crowd = crowd};
     for (int i = 0; i < RENDERER_STAGES; i++)
         out->stage[i] = metric_quantile(ms[i], n, 0.5);
-    out->median = metric_median(ms[RENDERER_STAGES], n);
-    out->least = metric_quantile(ms[RENDERER_STAGES], n, 0);
-    out->p95 = metric_quantile(ms[RENDERER_STAGES], n, 0.95);
+    out->median = metric_median(ms[WHOLE], n);
+    out->least = metric_quantile(ms[WHOLE], n, 0);
+    out->cpu = metric_quantile(ms[CPU], n, 0);
+    out->p95 = metric_quantile(ms[WHOLE], n, 0.95);
     return bench_time_finish(r, p, NULL, err);
 }

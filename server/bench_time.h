@@ -26,6 +26,8 @@ struct bench_times {
     int runs;                      // 0: not measured
     struct metric_value median;    // ms, wall clock, with its 95 % interval
     double least, p95;             // ms
+    double cpu;                    // ms of all processors, the least
+    double crowd;                  // processors at work, the most of any run
     double stage[RENDERER_STAGES]; // ms, medians; < 0: did not run
 };
 

@@ -158,8 +158,8 @@ static void update(struct governor *g, const struct governor_state *s)
 {
     double key[12];
     const struct front *front = fronts_nearest(&g->fronts, &s->scene);
-    const bool same =
-        !another_scene(g, &s->scene) & unchanged(g, s, front, key);
+    const bool another = another_scene(g, &s->scene);
+    const bool same = unchanged(g, s, front, key) && !another;
     const bool held = s->now_us - g->edited_us < GOVERNOR_HOLD_US;
     g->edited_us = s->now_us;
     if (!same) {

@@ -1,125 +1,16 @@
-// Fronts as text, and what a governor makes of them: never worse than the
-// default, monotone, steady.
+// What a governor chooses from a front: never worse than the default, monotone,
+// steady.
 #include "server/governor.h"
 #include "tests/check.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <unistd.h>
 
 #include "protocol/edit.h"
-
-#define MAGIC "glint.front 1\n"
-#define FRONT(hair, env, device, strands) \
-    "front device=\"" device "\" cores=2 scene=\"s, t\" hair=\"" hair \
-    "\" env=\"" env "\" strands=" strands "\n"
-#define TIMES " fibre_ms=10 sky_ms=100 camera_ms=50 rest_ms=90 error=0.5\n"
-
-static struct span span_of(const char *text)
-{
-    return (struct span){(const unsigned char *)text, strlen(text)};
-}
 
 static void set(struct params *p, const char *text)
 {
     struct error err = {0};
     CHECK(edit_apply_text(p, text, &err));
-}
-
-// --- text --------------------------------------------------------------------
-
-static void round_trip(void)
-{
-    static const char text[] =
-        FRONT("ab", "cd", "a \\\"b\\\\",
-              "6000") "row shadow.rays=0 fibre_ms=10 sky_ms=100 camera_ms=50 "
-                      "rest_ms=10 "
-                      "error=0.75\n"
-                      "row sky.lights=5 quality.light_bound=0.02 "
-                      "shadow.resolution=64 "
-                      "shadow.directions=coarse fibre_ms=1.5 sky_ms=2 "
-                      "camera_ms=3 rest_ms=4 "
-                      "error=1.25\n";
-    struct buf whole = {0}, again = {0};
-    struct fronts f = {0};
-    struct error err = {0};
-    buf_printf(&whole, "%s# a remark\n\n%s", MAGIC, text);
-    CHECK(fronts_parse(&f, (struct span){whole.data, whole.size}, "x", &err));
-    CHECK(f.count == 1 && f.item[0].rows == 2);
-    CHECK_STR(f.item[0].device, "a \"b\\");
-    CHECK(f.item[0].strands == 6000 && f.item[0].cores == 2);
-    const struct front_row *r = &f.item[0].row[1];
-    CHECK(r->knob[FRONT_LIGHTS] == 5 && r->knob[FRONT_RESOLUTION] == 64 &&
-          r->knob[FRONT_DIRECTIONS] == 0 && r->knob[FRONT_RAYS] == 1);
-    CHECK(r->first_ms[FRONT_CAMERA] == 3 && r->rest_ms == 4 &&
-          r->error == 1.25);
-    front_print(&f.item[0], &again);
-    buf_byte(&again, 0);
-    CHECK_STR((const char *)again.data, text);
-    buf_finish(&whole);
-    buf_finish(&again);
-    fronts_finish(&f);
-}
-
-static void refused(const char *text, const char *why)
-{
-    struct fronts f = {0};
-    struct error err = {0};
-    CHECK(!fronts_parse(&f, span_of(text), "file", &err));
-    CHECK(f.count == 0 && f.item == NULL);
-    CHECK(strstr(err.text, why) != NULL);
-    if (!strstr(err.text, why))
-        printf("  %s\n", err.text);
-}
-
-#define ONE MAGIC FRONT("ab", "cd", "d", "6000")
-static void damaged(void)
-{
-    refused("", "file:1:");
-    refused("glint.front 9\n", "this version");
-    refused(MAGIC "row" TIMES, "file:2: a row before");
-    refused(ONE, "without a row");
-    refused(ONE "row" TIMES "row fibre_ms=1", "no end");
-    refused(ONE "row fibre_ms=1 sky_ms=1 camera_ms=1 error=1\n", "rest_ms");
-    refused(ONE "row sky.lights=4000" TIMES, "file:3: sky.lights: 4000");
-    refused(ONE "row fibre.eta=1.5" TIMES, "'fibre.eta' belongs to no");
-    refused(ONE "row shadow.directions=fast" TIMES, "shadow.directions");
-    refused(ONE "row fibre_ms=0 sky_ms=1 camera_ms=1 rest_ms=1 error=1\n",
-            "fibre_ms is not");
-    refused(ONE "row fibre_ms=nan sky_ms=1 camera_ms=1 rest_ms=1 error=1\n",
-            "fibre_ms is not");
-    refused(ONE "row fibre_ms=1 sky_ms=1 camera_ms=1 rest_ms=1 error=1e9\n",
-            "error is not");
-    refused(ONE "stone" TIMES, "neither front nor row");
-    refused(ONE "row loose" TIMES, "no pair");
-    refused(MAGIC "front device=d cores=2\n", "there is no scene=");
-    struct buf many = {0};
-    buf_text(&many, ONE);
-    for (int i = 0; i <= FRONT_ROWS_MAX; i++)
-        buf_text(&many, "row" TIMES);
-    buf_byte(&many, 0);
-    refused((const char *)many.data, "more rows");
-    buf_finish(&many);
-}
-
-static void files(void)
-{
-    char path[] = "/tmp/glint-front-XXXXXX";
-    struct fronts f = {0};
-    struct error err = {0};
-    const int fd = mkstemp(path);
-    CHECK(fd >= 0 && ftruncate(fd, FRONT_BYTES_MAX + 1) == 0);
-    CHECK(!fronts_load(&f, path, &err) && strcmp(err.code, "limit") == 0);
-    CHECK(ftruncate(fd, 0) == 0 && !fronts_load(&f, path, &err));
-    CHECK(strcmp(err.code, "front") == 0 && strstr(err.text, path));
-    CHECK(!fronts_open(&f, path, &err)); // one that was asked for
-    CHECK(write(fd, ONE "row" TIMES, strlen(ONE "row" TIMES)) > 0);
-    fronts_finish(&f);
-    CHECK(fronts_open(&f, path, &err) && f.count > 0 && !f.item[0].shipped);
-    close(fd);
-    unlink(path);
-    fronts_finish(&f);
-    CHECK(!fronts_load(&f, path, &err) && strcmp(err.code, "file") == 0);
 }
 
 static void shipped(void)
@@ -139,33 +30,6 @@ static void shipped(void)
             CHECK(f.item[i].row[c.base].knob[FRONT_RAYS] == rays);
         }
     }
-    fronts_finish(&f);
-}
-
-static void nearest(void)
-{
-    static const char text[] = MAGIC                           //
-        FRONT("h1", "e1", "here", "1000") "row" TIMES          //
-            FRONT("h2", "e1", "here", "8000") "row" TIMES      //
-                FRONT("h2", "e1", "there", "8000") "row" TIMES //
-                    FRONT("h2", "e2", "there", "8000") "row" TIMES;
-    struct fronts f = {0};
-    CHECK(fronts_nearest(&f, &(struct front_scene){"d", "h", "e", 1}) == NULL);
-    CHECK(fronts_parse(&f, span_of(text), "x", NULL));
-    const struct {
-        struct front_scene scene;
-        int is;
-    } cases[] = {
-        {{"here", "h1", "e1", 1000}, 0},  // the very scene
-        {{"else", "h1", "e1", 90000}, 0}, // on another machine
-        {{"here", "h9", "e1", 1500}, 0},  // strands
-        {{"here", "h9", "e1", 5000}, 1},
-        {{"there", "h9", "e1", 90000}, 2}, // the machine, all else alike
-        {{"here", "h2", "e2", 8000}, 3},   // the sky before the machine
-        {{"here", "h9", "e1", 0}, 0},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        CHECK(fronts_nearest(&f, &cases[i].scene) == f.item + cases[i].is);
     fronts_finish(&f);
 }
 
@@ -474,16 +338,8 @@ static void verdicts(void)
 
 int main(void)
 {
-    check_case("a front as text and back");
-    round_trip();
-    check_case("damaged fronts are refused with the line, nothing is taken");
-    damaged();
-    check_case("files: missing, too large, empty, good");
-    files();
     check_case("what ships is sound and has the default");
     shipped();
-    check_case("the nearest front");
-    nearest();
     check_case("a budget: never worse, the least error, monotone");
     struct front f;
     for (int i = 0; i < 40; i++) {

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """quality.budget_ms and quality.error: what they come to is told, drawn, kept in
 the file, and gone when they are off."""
+import json
 import os
 import struct
+import subprocess
 import tempfile
 import zlib
 
-from glint_wire import Daemon, equal, run, true
+from glint_wire import GLINTD, PATIENCE, Daemon, equal, run, true, write_groom
 
 
 # A front on which choices are known: three numbers of lights, with and without
@@ -186,6 +188,34 @@ def bad_values_and_files():
             raise AssertionError("a bad --front was taken: %r" % text)
 
 
+def measured_front_is_served():
+    """What `bench --front` writes is what `serve --front` takes."""
+    with tempfile.TemporaryDirectory() as folder:
+        hair = os.path.join(folder, "a \\ b.hair")  # a name that wants escapes
+        front = os.path.join(folder, "front.txt")
+        write_groom(hair)
+        done = subprocess.run(
+            [GLINTD, "bench", "--front", front, "--only", "shadow.directions",
+             "--hair", hair, "--size", "96x64", "--places", "4", "--paths", "2",
+             "--picture-paths", "1", "--runs", "1"], capture_output=True,
+            env=dict(os.environ, GLINT_CACHE=folder), timeout=10 * PATIENCE)
+        equal(done.returncode, 0, done.stderr)
+        lines = [json.loads(x) for x in done.stdout.decode().splitlines()]
+        got = [x["setting"] for x in lines if x["kind"] == "front"]
+        equal(len(got), 4, "settings: %s" % got)
+        with open(front) as f:
+            text = f.read()
+    equal(text.count("\nrow "), 4, text)
+    true('shadow.directions=coarse shadow.rays=0 fibre_ms=' in text, text)
+    d, c = start(text, "--set", "quality.budget_ms=60000")
+    told = c.ask("stats")["governor"]
+    equal(told["front"], "a \\ b (file), studio", "the scene that was measured")
+    equal(told["why"], "the least error within the budget", "why")
+    true(0 < told["expects_error"] <= told["default_error"], told)
+    true(told["default_ms"] > 0, told)
+    d.stop()
+
+
 run([chooses_tells_and_repeats, budget_keeps_rays_and_user_values,
      wide_budget_is_the_default_or_better, frames_say_it, measures_as_it_goes,
-     bad_values_and_files])
+     bad_values_and_files, measured_front_is_served])
