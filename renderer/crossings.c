@@ -226,7 +226,7 @@ static void upload_tensor(struct crossings *c, float *const tensor[2])
     c->stats.grid_bytes = 32 * crossings_voxels(c);
 }
 
-static void make_tensor(struct crossings *c, const struct groom *g,
+static bool make_tensor(struct crossings *c, const struct groom *g,
                         const struct params *p)
 {
     struct crossings_hair hair;
@@ -235,11 +235,15 @@ static void make_tensor(struct crossings *c, const struct groom *g,
         tensor[i] =
             bytes_zalloc(4 * (size_t)crossings_voxels(c), sizeof(float));
     crossings_grid_hair(&hair, c->box_min, c->voxel, g, p);
+    hair.watch = c->watch;
     crossings_grid_splat(&hair, c->size, tensor);
     crossings_grid_hair_finish(&hair);
-    upload_tensor(c, tensor);
+    const bool whole = !watch_cut(c->watch);
+    if (whole)
+        upload_tensor(c, tensor);
     free(tensor[0]);
     free(tensor[1]);
+    return whole;
 }
 
 bool crossings_build_grid(struct crossings *c, const struct groom *g,
@@ -252,8 +256,8 @@ bool crossings_build_grid(struct crossings *c, const struct groom *g,
     hair_box(g, p, c->hair_min, c->hair_max);
     if (!choose_resolution(c, c->hair_min, c->hair_max, err))
         return false;
-    if (!o->map)
-        make_tensor(c, g, p);
+    if (!o->map && !make_tensor(c, g, p))
+        return false;
     for (int k = 0; k < 3; k++) {
         c->block->box[k] = c->box_min[k];
         c->block->size[k] = (float)c->size[k];
@@ -414,7 +418,7 @@ bool crossings_update(struct crossings *c, const struct crossings_light *lights,
     if (c->options.map)
         ok = crossings_map_run(c, lights, err);
     else
-        crossings_sweep_run(c);
+        ok = crossings_sweep_run(c);
     gl.QueryCounter(c->query[1], GL_TIMESTAMP);
     c->timed = true;
     return ok && gl_check("the shadows' sweeps", err);

@@ -32,6 +32,7 @@
 #include "protocol/params.h"
 #include "renderer/groom.h"
 #include "renderer/strands.h"
+#include "renderer/watch.h"
 
 enum {
     CROSSINGS_LIGHTS_MAX = 200,
@@ -114,7 +115,8 @@ struct crossings { // zero-initialised is empty; all fields are private
     unsigned sweep[3], turn; // programs
     bool borrowed;           // these are another's
     unsigned query[4];
-    bool timed; // the queries hold a sweep that was not read yet
+    bool timed;          // the queries hold a sweep that was not read yet
+    struct watch *watch; // NULL, or cuts what takes long, which then is false
 };
 
 bool crossings_init(struct crossings *c, struct error *err);

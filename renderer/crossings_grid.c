@@ -11,7 +11,7 @@
 #include "renderer/place.h"
 #include "renderer/shoot_threads.h"
 
-enum { SLABS = 2 }; // one thread each
+enum { SLABS = 2, LOOK_EVERY = 256 }; // one thread each; strands
 
 void crossings_grid_hair(struct crossings_hair *h, const float corner[3],
                          float unit, const struct groom *g,
@@ -25,6 +25,7 @@ void crossings_grid_hair(struct crossings_hair *h, const float corner[3],
     h->points = g->points;
     h->at = bytes_alloc((size_t)g->points * 4 * sizeof *h->at);
     h->opacity = NULL;
+    h->watch = NULL;
     for (uint32_t i = 0; i < g->points; i++) {
         float *out = h->at + 4 * (size_t)i;
         place_point(g, p, i, out);
@@ -117,9 +118,12 @@ static void splat_slab(void *context, size_t n)
     const struct splat *s = context;
     const int depth = s->size[2];
     const int slab[2] = {depth * (int)n / SLABS, depth * ((int)n + 1) / SLABS};
-    for (uint32_t k = 0; k < s->hair->strands; k++)
+    for (uint32_t k = 0; k < s->hair->strands; k++) {
+        if (k % LOOK_EVERY == 0 && watch_cut(s->hair->watch))
+            return;
         for (uint32_t i = s->hair->first[k]; i + 1 < s->hair->first[k + 1]; i++)
             splat_segment(s, i, slab);
+    }
 }
 
 void crossings_grid_splat(const struct crossings_hair *h, const int size[3],

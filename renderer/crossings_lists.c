@@ -15,7 +15,7 @@ enum { CELLS = 2 }; // a voxel, along an axis; 1 where memory ends
 // How far rays count real fibres, in voxels.
 static const float ray_voxels = 2;
 
-enum { SLABS = 2 }; // one thread each
+enum { SLABS = 2, LOOK_EVERY = 256 }; // one thread each; strands
 
 struct job {
     const struct crossings_hair *hair;
@@ -139,9 +139,12 @@ static void place_slab(void *context, size_t n)
     const int depth = job->size[2];
     const int slab[2] = {depth * (int)n / SLABS, depth * ((int)n + 1) / SLABS};
     uint64_t total = 0;
-    for (uint32_t k = 0; k < h->strands && total <= job->most; k++)
+    for (uint32_t k = 0; k < h->strands && total <= job->most; k++) {
+        if (k % LOOK_EVERY == 0 && watch_cut(h->watch))
+            return;
         for (uint32_t i = h->first[k]; i + 1 < h->first[k + 1]; i++)
             total += place_segment(job, i, slab);
+    }
 }
 
 // starts: one more than cells; *pieces: malloced, starts[cells] of them, the
@@ -153,6 +156,8 @@ static bool make(const struct crossings_hair *h, const int size[3],
     struct job job = {h, size, starts, NULL, most};
     shoot_threads(SLABS, place_slab, &job);
     uint64_t sum = 0;
+    if (watch_cut(h->watch))
+        return false;
     for (size_t i = 0; i <= cells; i++) {
         const uint32_t n = i < cells ? starts[i] : 0;
         if (sum > most)
@@ -164,6 +169,8 @@ static bool make(const struct crossings_hair *h, const int size[3],
     (*pieces)[sum] = 0;
     job.pieces = *pieces;
     shoot_threads(SLABS, place_slab, &job);
+    if (watch_cut(h->watch))
+        return false; // the caller frees *pieces
     // each start now is where the next one was
     memmove(starts + 1, starts, cells * sizeof *starts);
     starts[0] = 0;
@@ -235,11 +242,12 @@ static bool build(struct crossings *c, const struct groom *g,
                          cells * c->size[2]};
     const uint64_t all =
         (uint64_t)(cells * cells * cells) * crossings_voxels(c);
-    if (4 * (all + 1) > most)
+    if (4 * (all + 1) > most || watch_cut(c->watch))
         return false;
     struct crossings_hair hair;
     uint32_t *pieces = NULL, *starts = bytes_zalloc((size_t)all + 1, 4);
     crossings_grid_hair(&hair, c->box_min, c->voxel / (float)cells, g, p);
+    hair.watch = c->watch;
     const bool ok = make(&hair, size, most / 4 - 1, starts, &pieces);
     crossings_grid_hair_finish(&hair);
     if (ok)
@@ -264,6 +272,8 @@ bool crossings_build_lists(struct crossings *c, const struct groom *g,
     bool ok = g->points <= (uint64_t)texels;
     ok = ok && (build(c, g, p, CELLS, most) || build(c, g, p, 1, most));
     c->stats.lists_ms = 1e3 * (timer_now() - began);
+    if (watch_cut(c->watch))
+        return false;
     return ok ? gl_check("the shadows' lists", err)
               : error_set(
                     err, "limit", "shadow",

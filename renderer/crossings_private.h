@@ -25,6 +25,7 @@ struct crossings_hair { // a groom in the grid's frame: voxels from its corner
     uint32_t strands, points;
     float *at;      // [4 * points]: position, diameter, all in voxels
     float *opacity; // [points], or NULL
+    struct watch *watch;
 };
 // unit: of the world, that becomes 1.
 void crossings_grid_hair(struct crossings_hair *h, const float corner[3],
@@ -46,7 +47,8 @@ bool crossings_sweep_init(struct crossings *c, const struct crossings *of,
 void crossings_sweep_finish(struct crossings *c);
 void crossings_sweep_forget(struct crossings *c); // scratch memory
 // Fills the tiles of stats.ways directions, which block->way holds.
-void crossings_sweep_run(struct crossings *c);
+// False where it was cut.
+bool crossings_sweep_run(struct crossings *c);
 
 // --- crossings_map.c: depth maps, and the tiles that are sampled from them
 bool crossings_map_run(struct crossings *c, const struct crossings_light *l,

@@ -148,7 +148,7 @@ static void grow_state(struct crossings *c, uint64_t size)
     gl.TextureBuffer(c->before, GL_RG32UI, c->state);
 }
 
-static void run_slices(struct crossings *c, int axis, int count)
+static bool run_slices(struct crossings *c, int axis, int count)
 {
     const uint32_t air[2] = {UINT32_MAX, UINT32_MAX};
     const int *o = order[axis];
@@ -168,11 +168,14 @@ static void run_slices(struct crossings *c, int axis, int count)
     gl.ProgramUniform1ui(c->sweep[axis], AT_COUNT, (GLuint)count);
     gl.UseProgram(c->sweep[axis]);
     for (int turn = 0; turn < c->size[axis]; turn++) {
+        if (watch_cut(c->watch))
+            return false;
         gl.ProgramUniform1ui(c->sweep[axis], AT_TURN, (GLuint)turn);
         gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
         gl.DispatchCompute(groups, (GLuint)(count + TOGETHER - 1) / TOGETHER,
                            1);
     }
+    return true;
 }
 
 static void put_right(struct crossings *c, int count)
@@ -203,7 +206,7 @@ static void into_atlas(struct crossings *c, const struct group *g, int begin,
     gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
 }
 
-static void sweep_group(struct crossings *c, const struct group *g)
+static bool sweep_group(struct crossings *c, const struct group *g)
 {
     GLint texels = 0;
     gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
@@ -220,15 +223,17 @@ static void sweep_group(struct crossings *c, const struct group *g)
             grow(&c->bytes[i], &c->bytes_size[i],
                  crossings_voxels(c) * (uint64_t)count, "crossings tiles");
         send_ways(c, g, begin, count);
-        run_slices(c, g->axis, count);
+        if (!run_slices(c, g->axis, count))
+            return false;
         if (g->axis == X)
             put_right(c, count);
         into_atlas(c, g, begin, count);
         begin += count;
     }
+    return true;
 }
 
-void crossings_sweep_run(struct crossings *c)
+bool crossings_sweep_run(struct crossings *c)
 {
     struct group group[6] = {{.axis = X}, {.axis = X}, {.axis = Y},
                              {.axis = Y}, {.axis = Z}, {.axis = Z}};
@@ -239,8 +244,10 @@ void crossings_sweep_run(struct crossings *c)
         struct group *g = &group[2 * a + (d[a] > 0)];
         g->way[g->count++] = i;
     }
-    for (int i = 0; i < 6; i++)
-        sweep_group(c, &group[i]);
+    bool whole = true;
+    for (int i = 0; i < 6 && whole; i++)
+        whole = sweep_group(c, &group[i]);
     c->stats.scratch_bytes =
         c->state_size + c->bytes_size[0] + c->bytes_size[1];
+    return whole;
 }

@@ -7,7 +7,7 @@
 #include "renderer/gl.h"
 #include "renderer/program.h"
 
-enum { PART_LOCATION = 0, RAYS_LOCATION = 3, PROGRAMS = 32 };
+enum { PART_LOCATION = 0, RAYS_LOCATION = 3, FROM_LOCATION = 5, PROGRAMS = 32 };
 
 static void drop(struct nodes_store *s)
 {
@@ -89,8 +89,8 @@ static unsigned program_of(struct nodes *n, const struct nodes_request *q,
 }
 
 bool nodes_make(struct nodes *n, const struct nodes_request *q,
-                const struct picture *p, const struct strands *s,
-                const struct nodes_store **out, struct error *err)
+                const struct strands *s, const struct nodes_store **out,
+                struct error *err)
 {
     const bool first = q->part == 0 && q->rays == 0;
     struct nodes_store *store = first ? &n->first : &n->rest;
@@ -111,8 +111,19 @@ bool nodes_make(struct nodes *n, const struct nodes_request *q,
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, s->position);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, s->strand);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, NODES_BINDING, store->buffer);
-    picture_dispatch_lights(p, q->places, q->lights);
-    gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-    n->first_valid |= first;
+    n->now = program;
     return true;
+}
+
+void nodes_run(const struct nodes *n, const struct nodes_request *q,
+               const struct picture *p, uint32_t from, uint32_t count)
+{
+    gl.ProgramUniform1ui(n->now, FROM_LOCATION, from);
+    picture_dispatch_lights(p, count, q->lights);
+}
+
+void nodes_made(struct nodes *n, const struct nodes_request *q)
+{
+    gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    n->first_valid |= q->part == 0 && q->rays == 0;
 }

@@ -30,6 +30,7 @@ struct nodes {
     struct nodes_store first, rest;
     bool first_valid;
     unsigned program[32]; // bits: see nodes.c; compiled when asked for
+    unsigned now;         // that nodes_make bound
 };
 
 struct nodes_request {
@@ -49,12 +50,18 @@ void nodes_finish(struct nodes *n);
 // For how many places budget and device have room at once: a multiple of 64, at
 // least that many.
 uint32_t nodes_room(const struct nodes_request *q);
-// The store that holds what is asked for, at most as many places as there is
-// room: made now (the crossings and cells are bound), or kept from before,
-// which only the whole of the first sample is.
+// The store for what is asked for, at most as many places as there is room, and
+// what makes it, bound beside the crossings and cells: nodes_run then, for all
+// of its places, and nodes_made.  Or it is kept from before, which only the
+// whole of the first sample is: nothing is left to do then.
 bool nodes_make(struct nodes *n, const struct nodes_request *q,
-                const struct picture *p, const struct strands *s,
-                const struct nodes_store **out, struct error *err);
+                const struct strands *s, const struct nodes_store **out,
+                struct error *err);
+// Of these places `count` from `from` on, a multiple of 64; the last ones may
+// be fewer than a multiple.
+void nodes_run(const struct nodes *n, const struct nodes_request *q,
+               const struct picture *p, uint32_t from, uint32_t count);
+void nodes_made(struct nodes *n, const struct nodes_request *q);
 // Would nodes_make find it kept?
 bool nodes_kept(const struct nodes *n, int part, int rays);
 

@@ -85,6 +85,7 @@ struct renderer *renderer_create(const char *cache_dir, struct error *err)
     display_init(&r->display);
     if (!picture_init(&r->picture, err) || !crossings_init(&r->crossings, err))
         goto fail;
+    r->crossings.watch = &r->watch;
     for (int i = 0; i < RENDERER_STAGES; i++)
         r->stale[i] = true;
     r->draft.as_if = RENDERER_STAGES;
@@ -312,9 +313,22 @@ static void remember_first(struct renderer *r)
     r->first[0] = f;
 }
 
+void renderer_watch(struct renderer *r, bool (*newer)(void *ctx), void *ctx)
+{
+    r->watch.newer = newer;
+    r->watch.ctx = ctx;
+    r->watch.cut = false;
+}
+
+bool renderer_was_cut(const struct renderer *r)
+{
+    return r->watch.cut;
+}
+
 bool renderer_step(struct renderer *r, bool *done, struct error *err)
 {
     *done = false;
+    r->watch.cut = false;
     egl_use(r->egl);
     if (!r->groom)
         return error_set(err, "state", "hair", "no groom is loaded");
@@ -323,11 +337,19 @@ bool renderer_step(struct renderer *r, bool *done, struct error *err)
     for (int i = 0; i < RENDERER_STAGES; i++)
         r->stats.stage_ms[i] = -1;
     if (!run_setup(r, err))
-        return false;
+        return r->watch.cut;
     const bool refine = renderer_rays(r) > 0;
+    const int samples = r->samples;
+    const bool refined = r->refined;
     if (refine && !r->refined && r->samples > 0)
         restart(r, true); // the smooth picture was shown; now the real one
     if (r->samples < r->params.quality.samples && !renderer_sample(r, err)) {
+        if (r->watch.cut) { // nothing of it is in the sum
+            r->samples = samples;
+            r->refined = refined;
+            timer_collect(&r->timer, r->stats.stage_ms, RENDERER_STAGES);
+            return true;
+        }
         renderer_mark(r, RENDERER_VISIBLE); // half a sample may be in the sum
         return false;
     }

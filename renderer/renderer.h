@@ -92,6 +92,14 @@ bool renderer_set_sky(struct renderer *r, struct sky_map *m, struct error *err);
 // take effect when the picture is read.
 bool renderer_set_params(struct renderer *r, const struct params *p);
 
+// `newer` is asked every few milliseconds of a step or a rehearsal whether
+// something newer waits; when it says so, the work is left where it is, and
+// what it was to make stays as stale as it was: the next step begins it anew.
+// It may be called on any thread.  NULL: nobody is asked.
+void renderer_watch(struct renderer *r, bool (*newer)(void *ctx), void *ctx);
+// Was the newest step or rehearsal left so?
+bool renderer_was_cut(const struct renderer *r);
+
 // One step.  *done is true when the picture is final (samples_wanted reached).
 // With shadow.rays the first step gives a picture with the smooth shadow field;
 // then the picture begins anew, refined by rays.

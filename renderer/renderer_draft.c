@@ -185,12 +185,16 @@ bool renderer_draft(struct renderer *r, struct renderer_draft *how,
     if (!renderer_forecast(r, ms))
         return error_set(err, "state", "quality.draft_ms",
                          "no draft is to be had of this");
-    if (!make(r, how, err)) {
+    // Never cut: while edits keep coming it is all that is shown of any.
+    bool (*const newer)(void *) = r->watch.newer;
+    r->watch.newer = NULL;
+    const bool ok = make(r, how, err);
+    r->watch.newer = newer;
+    if (ok)
+        r->draft.shown = r->draft.now;
+    else
         draft_finish(&r->draft);
-        return false;
-    }
-    r->draft.shown = r->draft.now;
-    return true;
+    return ok;
 }
 
 bool renderer_rehearse(struct renderer *r, enum renderer_stage first,
@@ -202,6 +206,7 @@ bool renderer_rehearse(struct renderer *r, enum renderer_stage first,
         return error_set(err, "state", "quality.draft_ms",
                          "no draft is to be had of this");
     r->draft.as_if = first;
+    r->watch.cut = false;
     struct buf pixels = {0};
     bool ok = make(r, how, err);
     r->draft.shown = r->draft.now;
@@ -211,7 +216,7 @@ bool renderer_rehearse(struct renderer *r, enum renderer_stage first,
     r->draft.as_if = RENDERER_STAGES;
     memcpy(ms, r->stats.stage_ms, sizeof r->stats.stage_ms);
     r->stats = kept;
-    if (!ok)
+    if (!ok && !r->watch.cut)
         draft_finish(&r->draft);
     return ok;
 }

@@ -20,6 +20,7 @@
 #include "renderer/shading.h"
 #include "renderer/strands.h"
 #include "renderer/timer.h"
+#include "renderer/watch.h"
 
 struct egl;
 
@@ -59,6 +60,8 @@ struct renderer {
         double ms[RENDERER_STAGES]; // that ran the stage; < 0: none did
     } first[2];                     // the newer size first
     struct draft draft;
+    struct watch watch;
+    double part[3]; // places in one part of a sample's work
 };
 
 // Of the size that is asked for, or else the newest; NULL: there was none.

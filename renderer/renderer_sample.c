@@ -1,6 +1,7 @@
 // renderer_sample.c - one sample of the picture, and reading what is summed.
 #include "renderer/renderer_private.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "renderer/gl.h"
@@ -52,18 +53,96 @@ static bool has_layer(const struct renderer *r, int i)
                   : r->shading.shadowed && r->params.render.multiple > 0);
 }
 
+// --- work in parts -----------------------------------------------------------
+
+// So that whoever edits waits for one part of it only; where nobody looks, all
+// of it is one.  Sizes go by what the part before took.
+enum { SHADOW_PART, RAYS_PART, SHADE_PART, PART_FIRST = 1024, PART_LEAST = 64 };
+static const double part_seconds = 4e-3;
+
+struct parts {
+    int which;
+    uint32_t all; // places
+    bool (*run)(struct renderer *r, const struct parts *p, uint32_t from,
+                uint32_t count, struct error *err);
+    int k;
+    const struct nodes_store *nodes;
+    const struct nodes_request *request;
+};
+
+static uint32_t next_part(const double *size, uint32_t left)
+{
+    const double n = *size > PART_LEAST ? *size / PART_LEAST : 1;
+    return n * PART_LEAST < left ? (uint32_t)n * PART_LEAST : left;
+}
+
+static bool run_parts(struct renderer *r, const struct parts *p,
+                      struct error *err)
+{
+    double *size = &r->part[p->which];
+    if (!r->watch.newer)
+        return p->run(r, p, 0, p->all, err);
+    *size = *size > 0 ? *size : PART_FIRST;
+    for (uint32_t from = 0; from < p->all;) {
+        const double began = timer_now();
+        const uint32_t count = next_part(size, p->all - from);
+        if (!p->run(r, p, from, count, err) ||
+            !renderer_wait_for_gpu("part of a sample", err))
+            return false;
+        const double took = timer_now() - began;
+        if (count >= *size / 2) // at most twice as many: the first one compiles
+            *size = fmin(count * part_seconds / fmax(took, 1e-5), 2 * *size);
+        from += count;
+        if (watch_cut(&r->watch))
+            return false;
+    }
+    return true;
+}
+
+static bool shade_all(struct renderer *r, int k, struct error *err)
+{
+    const struct shading_sample how = {.part = k};
+    if (!shading_bind(&r->shading, &r->strands, &how, err))
+        return false;
+    picture_dispatch(&r->picture);
+    return true;
+}
+
+static bool shade_part(struct renderer *r, const struct parts *p, uint32_t from,
+                       uint32_t count, struct error *err)
+{
+    const struct shading_sample how = {p->k, p->nodes, from};
+    if (!shading_bind(&r->shading, &r->strands, &how, err))
+        return false;
+    picture_dispatch_some(&r->picture, count);
+    return true;
+}
+
+static bool shadow_part(struct renderer *r, const struct parts *p,
+                        uint32_t from, uint32_t count, struct error *err)
+{
+    (void)err;
+    nodes_run(&r->nodes, p->request, &r->picture, from, count);
+    return true;
+}
+
+// --- shading -----------------------------------------------------------------
+
 // Of sample k those places of `nodes` alone, or all that there are.
 static bool shade_shown(struct renderer *r, int k,
                         const struct nodes_store *nodes, struct error *err)
 {
-    const struct shading_sample how = {.part = k, .nodes = nodes};
-    if (!shading_bind(&r->shading, &r->strands, &how, err))
-        return false;
+    struct parts parts = {
+        .which = SHADE_PART, .run = shade_part, .k = k, .nodes = nodes};
     if (nodes)
-        picture_dispatch_some(&r->picture, nodes->stride);
+        parts.all = nodes->stride;
+    else if (!r->watch.newer) // how many there are is the GPU's affair
+        return shade_all(r, k, err);
+    else if (renderer_wait_for_gpu("visible", err))
+        parts.all = picture_counters(&r->picture);
     else
-        picture_dispatch(&r->picture);
-    return true;
+        return false;
+    return run_parts(r, &parts, err);
 }
 
 // Shows one of the words from now on, by uniforms and program.
@@ -151,9 +230,18 @@ static bool shadow(struct renderer *r, const struct nodes_request *q,
     const bool kept = nodes_kept(&r->nodes, q->part, q->rays);
     if (!kept)
         timer_begin(&r->timer, RENDERER_SHADOW, "shadow");
-    bool ok = nodes_make(&r->nodes, q, &r->picture, &r->strands, &nodes, err);
-    if (!kept)
+    bool ok = nodes_make(&r->nodes, q, &r->strands, &nodes, err);
+    if (!kept) {
+        const struct parts parts = {.which =
+                                        q->rays > 0 ? RAYS_PART : SHADOW_PART,
+                                    .all = q->places,
+                                    .run = shadow_part,
+                                    .request = q};
+        ok = ok && run_parts(r, &parts, err);
+        if (ok)
+            nodes_made(&r->nodes, q);
         timer_end(&r->timer, RENDERER_SHADOW);
+    }
     return ok && shade(r, q->part, nodes, err);
 }
 

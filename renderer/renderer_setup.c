@@ -7,16 +7,28 @@
 
 bool renderer_setup_strands(struct renderer *r, struct error *err)
 {
+    struct strands built = {.watch = &r->watch};
     r->grid_stale = true;
-    return strands_build(&r->strands, r->groom, &r->params, err);
+    if (!strands_build(&built, r->groom, &r->params, err))
+        return false;
+    strands_finish(&r->strands);
+    r->strands = built;
+    return true;
 }
 
 bool renderer_setup_sky(struct renderer *r, struct error *err)
 {
-    if (!sky_fit_run(r->map, r->params.sky.lights,
-                     (enum sky_fit_mode)r->params.sky.fit, r->cache_dir,
-                     &r->fit, err))
+    const struct sky_fit_job job = {
+        .map = r->map,
+        .lights = r->params.sky.lights,
+        .mode = (enum sky_fit_mode)r->params.sky.fit,
+        .cache_dir = r->cache_dir,
+        .watch = &r->watch,
+    };
+    struct sky_fit fit;
+    if (!sky_fit_do(&job, &fit, err))
         return false;
+    r->fit = fit;
     renderer_draft_fitted(r, &r->fit);
     return true;
 }
@@ -78,6 +90,7 @@ static bool build_grid(struct renderer *r, struct error *err)
         .budget = (uint64_t)p->shadow.memory_mb << 20,
         .map = renderer_mapped(r) ? &r->strands : NULL,
     };
+    r->grid_stale = true; // until there is one again
     if (!crossings_build_grid(&r->crossings, r->groom, p, &o, err))
         return false;
     r->grid_resolution = p->shadow.resolution;

@@ -19,6 +19,7 @@ enum {
     LAST_SINGLE = 4,
     LAST_LIGHT = 6,
     PART_LOCATION = 0,
+    FROM_LOCATION = 5,
     XU_M_LOCATION = 16 // xu.glsl
 };
 
@@ -309,6 +310,7 @@ bool shading_bind(struct shading *s, const struct strands *strands,
         return false;
     gl.UseProgram(program);
     gl.ProgramUniform1ui(program, PART_LOCATION, (GLuint)how->part);
+    gl.ProgramUniform1ui(program, FROM_LOCATION, how->from);
     shading_bind_inputs(s, program, strands, how->nodes);
     return true;
 }

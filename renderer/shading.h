@@ -61,6 +61,7 @@ bool shading_adds_up(const struct params *p);
 struct shading_sample {
     int part; // of the list of cells, as picture_prepare had it
     const struct nodes_store *nodes; // transmittances; NULL: looked up here
+    uint32_t from;                   // the first cell of that part
 };
 
 // Binds program (compiled when it is new), block, tables and strands for

@@ -72,6 +72,17 @@ struct sky_fit {
 // that cannot be used is not an error.
 bool sky_fit_run(const struct sky_map *map, int lights, enum sky_fit_mode mode,
                  const char *cache_dir, struct sky_fit *fit, struct error *err);
+struct watch;
+struct sky_fit_job {
+    const struct sky_map *map;
+    int lights;
+    enum sky_fit_mode mode;
+    const char *cache_dir;
+    struct watch *watch; // NULL, or looked at between two steps
+};
+// The same; false, and *fit is nothing, as well where it was cut.
+bool sky_fit_do(const struct sky_fit_job *job, struct sky_fit *fit,
+                struct error *err);
 
 // At most `lights` (1..) of a fit's lights, of the same energy in each channel:
 // some are put together.  Where the fit has no more than that they are its own.

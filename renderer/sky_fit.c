@@ -10,6 +10,7 @@
 #include "renderer/sky_cache.h"
 #include "renderer/sky_fit_lm.h"
 #include "renderer/sky_fit_start.h"
+#include "renderer/watch.h"
 
 static const double narrowest = 0.02; // lambda of a light
 static const double p90_per_f = 0.85; // shading error's 90th percentile over
@@ -133,9 +134,11 @@ static double hair_residual(const struct sky_fit *fit,
     return f;
 }
 
-static void run(const struct sky_map *map, int lights, enum sky_fit_mode mode,
-                struct sky_fit *fit)
+static void run(const struct sky_fit_job *job, struct sky_fit *fit)
 {
+    const struct sky_map *map = job->map;
+    const int lights = job->lights;
+    const enum sky_fit_mode mode = job->mode;
     struct sky_fit_target t;
     sky_fit_target_init(&t, map, lights, mode);
     for (int c = 0; c < 3; c++)
@@ -143,8 +146,8 @@ static void run(const struct sky_map *map, int lights, enum sky_fit_mode mode,
     if (!t.black) {
         struct sky_fit_model m;
         sky_fit_model_init(&m, &t, lights);
-        sky_fit_start_run(&m, lights);
-        fit->iterations = sky_fit_lm_run(&m);
+        sky_fit_start_run(&m, lights, job->watch);
+        fit->iterations = sky_fit_lm_run(&m, job->watch);
         fit->count = m.count;
         for (int j = 0; j < m.count; j++)
             unblur(&m, j, &fit->light[j]);
@@ -166,24 +169,36 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-bool sky_fit_run(const struct sky_map *map, int lights, enum sky_fit_mode mode,
-                 const char *cache_dir, struct sky_fit *fit, struct error *err)
+bool sky_fit_do(const struct sky_fit_job *job, struct sky_fit *fit,
+                struct error *err)
 {
+    const int lights = job->lights;
     memset(fit, 0, sizeof *fit);
     if (lights < 1 || lights > SKY_LIGHTS_MAX)
         return error_set(err, "range", "sky.lights",
                          "sky.lights: %d is not within [1, %d]", lights,
                          SKY_LIGHTS_MAX);
-    struct sky_cache_key key = {.lights = lights, .mode = mode};
-    memcpy(key.sha256, map->sha256, sizeof key.sha256);
-    if (cache_dir && sky_cache_read(cache_dir, &key, fit))
+    struct sky_cache_key key = {.lights = lights, .mode = job->mode};
+    memcpy(key.sha256, job->map->sha256, sizeof key.sha256);
+    if (job->cache_dir && sky_cache_read(job->cache_dir, &key, fit))
         return true;
     double begin = now();
-    run(map, lights, mode, fit);
+    run(job, fit);
     fit->seconds = now() - begin;
-    if (cache_dir)
-        sky_cache_write(cache_dir, &key, fit);
+    if (watch_cut(job->watch)) {
+        memset(fit, 0, sizeof *fit);
+        return false;
+    }
+    if (job->cache_dir)
+        sky_cache_write(job->cache_dir, &key, fit);
     return true;
+}
+
+bool sky_fit_run(const struct sky_map *map, int lights, enum sky_fit_mode mode,
+                 const char *cache_dir, struct sky_fit *fit, struct error *err)
+{
+    const struct sky_fit_job job = {map, lights, mode, cache_dir, NULL};
+    return sky_fit_do(&job, fit, err);
 }
 
 void sky_fit_eval(const struct sky_fit *fit, const double direction[3],

@@ -12,6 +12,7 @@
 
 #include "renderer/sky_fit_solve.h"
 #include "renderer/sky_fit_vector.h"
+#include "renderer/watch.h"
 
 enum { ITERATIONS = 40, TRIES = 8, RESEED_EVERY = 8, RESEED_LAST = 32 };
 
@@ -32,6 +33,7 @@ struct lm {
     double *gradient;
     double (*tangent)[2][3];
     double mu;
+    struct watch *watch;
 };
 
 static void lm_init(struct lm *s, struct sky_fit_model *m)
@@ -267,7 +269,7 @@ static bool iterate(struct lm *s)
     derivatives(s);
     hessian(s);
     freeze(s);
-    for (int i = 0; i < TRIES; i++) {
+    for (int i = 0; i < TRIES && !watch_cut(s->watch); i++) {
         if (solve_step(s)) {
             for (size_t j = 0; j < s->n; j++)
                 move(s, j, &s->trial.lobe[j]);
@@ -341,14 +343,16 @@ static void reseed(struct lm *s)
         swap(s->m, &s->trial);
 }
 
-int sky_fit_lm_run(struct sky_fit_model *m)
+int sky_fit_lm_run(struct sky_fit_model *m, struct watch *watch)
 {
     if (m->count == 0)
         return 0;
     struct lm s;
     lm_init(&s, m);
+    s.watch = watch;
     int done = 0, slow = 0;
-    while (done < ITERATIONS && slow < 3 && m->f2 > enough * enough) {
+    while (done < ITERATIONS && slow < 3 && m->f2 > enough * enough &&
+           !watch_cut(watch)) {
         double before = m->f2;
         if (done > 0 && done % RESEED_EVERY == 0 && done <= RESEED_LAST)
             reseed(&s);

@@ -7,6 +7,7 @@
 
 // Returns the iterations done, at most 40; ends earlier when the residual is
 // below 0.001 or falls no more.  m->f2 does not rise.
-int sky_fit_lm_run(struct sky_fit_model *m);
+// watch: NULL, or ends it early.
+int sky_fit_lm_run(struct sky_fit_model *m, struct watch *watch);
 
 #endif

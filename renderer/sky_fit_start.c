@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "renderer/sky_fit_vector.h"
+#include "renderer/watch.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -185,12 +186,12 @@ static void take(struct atoms *a, struct sky_fit_model *m, const struct pick *p)
     sky_fit_model_update(m, j);
 }
 
-void sky_fit_start_run(struct sky_fit_model *m, int lights)
+void sky_fit_start_run(struct sky_fit_model *m, int lights, struct watch *watch)
 {
     struct atoms a;
     atoms_init(&a, m->target);
     int every = lights / 20 > 1 ? lights / 20 : 1;
-    while (m->count < lights) {
+    while (m->count < lights && !watch_cut(watch)) {
         struct pick p = best_atom(&a, m);
         if (!(p.gain > 0))
             break;

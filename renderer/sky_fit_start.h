@@ -7,6 +7,8 @@
 
 // Fills an empty model with up to `lights` lobes, its amplitudes refitted.
 // Fewer when nothing positive is left to pick.
-void sky_fit_start_run(struct sky_fit_model *m, int lights);
+// watch: NULL, or ends it early.
+void sky_fit_start_run(struct sky_fit_model *m, int lights,
+                       struct watch *watch);
 
 #endif

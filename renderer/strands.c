@@ -11,7 +11,7 @@
 #include "renderer/place.h"
 
 // A cell's key (scene.glsl) has 32 bits, CELL_BITS of them for the cell.
-enum { POINTS_MAX = 1 << 23 };
+enum { POINTS_MAX = 1 << 23, LOOK_EVERY = 1024 };
 
 static bool upload(unsigned *buffer, const void *data, size_t size,
                    const char *name, struct error *err)
@@ -56,7 +56,9 @@ static void fill(struct strands *s, const struct groom *g,
 {
     const bool varies = place_diameter_varies(g, p);
     float d = varies ? 0 : place_diameter(g, p, 0);
-    for (uint32_t k = 0; k < g->strands; k++)
+    for (uint32_t k = 0; k < g->strands; k++) {
+        if (k % LOOK_EVERY == 0 && watch_cut(s->watch))
+            return;
         for (uint32_t i = g->first[k]; i < g->first[k + 1]; i++) {
             float *out = position + 4 * (size_t)i;
             place_point(g, p, i, out);
@@ -70,6 +72,7 @@ static void fill(struct strands *s, const struct groom *g,
             strand[i] = k;
             grow_box(s, out);
         }
+    }
 }
 
 // A sphere (x, y, z, radius) around the box of a group's segments; no segment:
@@ -143,7 +146,9 @@ static bool upload_optional(struct strands *s, const struct groom *g,
 bool strands_build(struct strands *s, const struct groom *g,
                    const struct params *p, struct error *err)
 {
+    struct watch *const watch = s->watch;
     strands_finish(s);
+    s->watch = watch;
     const size_t n = g->points;
     if (n > POINTS_MAX)
         return error_set(err, "limit", "hair",
@@ -166,7 +171,8 @@ bool strands_build(struct strands *s, const struct groom *g,
     for (int c = 0; c < 3; c++)
         s->plain_colour[c] = p->hair.use_colour ? g->default_colour[c] : 1;
     s->plain_colour[3] = p->hair.use_opacity ? g->default_opacity : 1;
-    bool ok = upload(&s->position, position, n * 16, "strand points", err) &&
+    bool ok = !watch_cut(watch) &&
+              upload(&s->position, position, n * 16, "strand points", err) &&
               upload(&s->strand, strand, n * 4, "strand index", err) &&
               upload_bounds(s, position, err) && upload_optional(s, g, p, err);
     free(position);

@@ -14,6 +14,7 @@
 #include "protocol/params.h"
 #include "renderer/camera.h"
 #include "renderer/groom.h"
+#include "renderer/watch.h"
 
 struct strands { // zero-initialised is empty
     unsigned position, strand, opacity, colour, axis; // buffers, 0 = not there
@@ -30,6 +31,7 @@ struct strands { // zero-initialised is empty
     bool has_head;
     float head_centre[3], head_radius[3]; // world
     uint64_t bytes;
+    struct watch *watch; // NULL, or cuts strands_build, which then is false
 };
 
 // Neighbouring segments, of which a raster wants to know at once whether any of

@@ -96,7 +96,7 @@ struct engine_stats {
     struct renderer_stats renderer; // after the last step
     char device[128];
     struct engine_asset_info hair, env;
-    uint64_t steps, drafts, frames, captures, coalesced, failures;
+    uint64_t steps, cuts, drafts, frames, captures, coalesced, failures;
     int captures_waiting;
     struct judge_verdict verdict; // the newest; revision 0: none
     char progress[96];            // "" or what takes long just now

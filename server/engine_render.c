@@ -23,6 +23,7 @@ static void note_stats(struct engine *e)
         renderer_stats(e->studio.renderer, &e->stats.renderer);
     e->stats.steps = e->studio.steps;
     e->stats.drafts = e->studio.drafts;
+    e->stats.cuts = e->studio.cuts;
 }
 
 static void note_frames(struct engine *e, const struct studio_frame *frames,
@@ -248,12 +249,29 @@ static void render_turns(struct engine *e)
     }
 }
 
+// Asked in the middle of a step: is it still wanted?  A capture is, whatever
+// comes, unless nobody waits for it any more.
+static bool newer(void *ctx)
+{
+    struct engine *e = ctx;
+    pthread_mutex_lock(&e->lock);
+    const bool is = e->capturing
+                        ? !capture_goes_on(e)
+                        : e->stop || e->loaded ||
+                              (e->studio.live &&
+                               e->wish.revision != e->studio.live_revision);
+    pthread_mutex_unlock(&e->lock);
+    return is;
+}
+
 void *engine_render_main(void *arg)
 {
     struct engine *e = arg;
     struct error err = {0};
     bool ok = studio_open(&e->studio, e->setup->cache_dir, &e->setup->hair,
                           &e->setup->sky, &err);
+    e->studio.newer = newer;
+    e->studio.ctx = e;
     pthread_mutex_lock(&e->lock);
     if (ok)
         snprintf(e->stats.device, sizeof e->stats.device, "%s",

@@ -112,6 +112,7 @@ static void put_counts(struct json *j, const struct hub *h,
     json_put_int(j, "coalesced", (int64_t)e->coalesced);
     json_put_int(j, "steps", (int64_t)e->steps);
     json_put_int(j, "drafts", (int64_t)e->drafts);
+    json_put_int(j, "cuts", (int64_t)e->cuts);
     json_put_int(j, "frames_made", (int64_t)e->frames);
     json_put_int(j, "frames_sent", (int64_t)h->frames_sent);
     json_put_int(j, "frame_bytes_sent", (int64_t)h->bytes_sent);

@@ -76,20 +76,30 @@ static void set(struct studio *s, const struct params *p)
     s->set = *p;
 }
 
+// A state of which something was shown may give way to the next.  One of which
+// nothing was may not, or who edits faster than pictures are made sees none.
+static void watch(struct studio *s)
+{
+    const bool shown = s->samples > 0 || s->draft.divisor > 0;
+    renderer_watch(s->renderer, shown ? s->newer : NULL, s->ctx);
+}
+
 bool studio_step(struct studio *s, bool *done, struct error *err)
 {
     *done = s->done;
     if (s->done)
         return true;
     int64_t began = clock_us();
+    watch(s);
     bool ok = renderer_step(s->renderer, &s->done, err);
     s->render_ms += (double)(clock_us() - began) / 1e3;
+    if (!ok || renderer_was_cut(s->renderer)) {
+        s->cuts += ok;
+        s->done = *done = false;
+        return ok;
+    }
     s->stepped = true;
     s->steps++;
-    if (!ok) {
-        s->done = false;
-        return false;
-    }
     struct renderer_stats stats;
     renderer_stats(s->renderer, &stats);
     s->samples = stats.samples;
@@ -163,8 +173,10 @@ static bool rehearses(const struct studio *s, const struct studio_wish *w)
 static void rehearse(struct studio *s)
 {
     s->rehearsals--;
+    watch(s);
     if (!rehearsal_next(&s->haste, s->renderer, &s->set))
         s->rehearsals = 0;
+    s->cuts += renderer_was_cut(s->renderer);
 }
 
 // --- viewers ----------------------------------------------------------------

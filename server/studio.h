@@ -88,6 +88,10 @@ struct studio {
     int64_t rest_us;             // after the edit: until then nothing but it
     uint64_t drafts;             // ever
     int rehearsals;              // that may follow, once there is a picture
+    // Asked while something is made that no viewer waits for (renderer_watch).
+    bool (*newer)(void *ctx);
+    void *ctx;
+    uint64_t cuts; // steps and rehearsals that were left for it, ever
     struct haste haste;
 };
 

@@ -3,12 +3,13 @@
 #include "shade.glsl"
 layout(local_size_x = 64) in;
 layout(location = 0) uniform uint kept;
+layout(location = 5) uniform uint from; // of these cells, by this dispatch
 
 void main()
 {
     uint row = gl_NumWorkGroups.x * 64u;
     // within this sample's part
-    uint at = gl_GlobalInvocationID.x + gl_WorkGroupID.y * row;
+    uint at = from + gl_GlobalInvocationID.x + gl_WorkGroupID.y * row;
     uint entry = dispatch.w + at;
 #ifdef SHADOW_STORED // or as much of it as there are transmittances
     if (at >= nodes_stride)

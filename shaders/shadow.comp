@@ -13,6 +13,7 @@
 #endif
 layout(local_size_x = 64) in;
 layout(location = 0) uniform uint kept;
+layout(location = 5) uniform uint from; // of these places, by this dispatch
 #ifdef SHADOW_RAYS
 layout(location = 3) uniform uint rays;
 #endif
@@ -20,7 +21,7 @@ layout(location = 3) uniform uint rays;
 void main()
 {
     uint row = gl_NumWorkGroups.x * 64u;
-    uint i = gl_GlobalInvocationID.x + gl_WorkGroupID.z * row;
+    uint i = from + gl_GlobalInvocationID.x + gl_WorkGroupID.z * row;
     uint at = dispatch.w + nodes_begin + i;
     uint light = gl_WorkGroupID.y;
     if (i >= nodes_stride || at >= list_end[kept])

@@ -276,9 +276,9 @@ static double uncapped(const struct sky_map *m)
     sky_fit_target_init(&t, m, 40, SKY_FIT_HAIR);
     t.lambda_max = 4;
     sky_fit_model_init(model, &t, 40);
-    sky_fit_start_run(model, 40);
+    sky_fit_start_run(model, 40, NULL);
     double start = model->f2;
-    sky_fit_lm_run(model);
+    sky_fit_lm_run(model, NULL);
     CHECK(model->f2 <= start);
     double f = sqrt(model->f2);
     sky_fit_model_finish(model);
