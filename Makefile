@@ -3,6 +3,8 @@
 #   make run          build, then serve a built-in groom (ARGS= adds options)
 #   make test         all tests; last line "N passed, N failed, N skipped"
 #   make front        measure anew what a governor chooses among
+#   make bench-edits  what an edit costs: docs/EDITS.md, README's table
+#   make bench-scale  how that grows: docs/SCALE.md
 #   make extremes     stiff and extreme cases, at length: docs/EXTREMES.md
 #   make test-long    the sweeps, soaks and long fuzzing as well
 #   make floors       reject an #include that points up a floor
@@ -157,6 +159,19 @@ bench: all
 .PHONY: front
 front: all
 	$(B)/glintd bench --front server/front.txt $(ARGS) > $(B)/front.jsonl
+# What an edit costs, kind by kind, beside paper-forward: docs/EDITS.md, its plot
+# and the README's table.  ARGS=--quick: into build/, README untouched.
+.PHONY: bench-edits
+BENCH_CURLY := $(GLINT_DATA)/hair/amd_ponytail.hair
+BENCH_EDITS := animation,straight,natural,ponytail,bob,dark$(if \
+	$(wildcard $(BENCH_CURLY)),$(COMMA)$(BENCH_CURLY))
+bench-edits: all
+	@mkdir -p $(BENCH_TO)/pictures
+	$(B)/glintd bench --edits --command "make bench-edits" \
+	    --report $(BENCH_TO)/EDITS.md --plot $(BENCH_TO)/pictures/edits.svg \
+	    $(if $(findstring --quick,$(ARGS)),,--scenes $(BENCH_EDITS)) \
+	    $(ARGS) > $(B)/edits.jsonl
+	$(if $(findstring --quick,$(ARGS)),,@python3 tests/bench/readme_edits.py)
 bench-stages: deps
 	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_stages
 	@$(B)/tests/bench/bench_stages $(ARGS)

@@ -46,6 +46,14 @@ static double *radiance(const struct bench_view *v, const struct params *p,
     return NULL;
 }
 
+double *bench_measure_places(const struct bench_view *v, const struct params *p,
+                             enum bench_measure_light light, size_t count,
+                             struct error *err)
+{
+    return radiance(v, p, light == BENCH_MEASURE_OPEN ? once_open : as_shown,
+                    count, err);
+}
+
 static bool compare(const struct bench_view *v, const struct params *p,
                     const char *const *change, struct metric_pairs pairs,
                     struct metric_errors *out, struct error *err)

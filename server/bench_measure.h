@@ -43,6 +43,14 @@ struct bench_row {
     double psnr, ssim;
 };
 
+// How a place is lit that is compared: as it is shown, or once, unshadowed.
+enum bench_measure_light { BENCH_MEASURE_SHOWN, BENCH_MEASURE_OPEN };
+// Radiance of the first `count` places under *p; the caller frees [3 * count].
+// NULL on failure.
+double *bench_measure_places(const struct bench_view *v, const struct params *p,
+                             enum bench_measure_light light, size_t count,
+                             struct error *err);
+
 bool bench_measure_row(const struct bench_view *v,
                        const struct bench_setting *s, struct bench_row *out,
                        struct error *err);

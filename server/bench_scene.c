@@ -22,7 +22,8 @@ static void plain_name(const char *name, char *out, size_t room)
         *dot = 0;
 }
 
-static void name_scene(struct bench_scene *s, const char *hair, const char *sky)
+static void name_scene(struct bench_loaded *s, const char *hair,
+                       const char *sky)
 {
     char a[64], b[64];
     plain_name(hair, a, sizeof a);
@@ -38,20 +39,21 @@ static void name_scene(struct bench_scene *s, const char *hair, const char *sky)
     s->id[n] = 0;
 }
 
-static bool load(struct bench_scene *s, struct renderer *r,
-                 const struct bench_scene_ask *ask, struct error *err)
+bool bench_scene_load(struct renderer *r, const char *hair_name,
+                      const char *env, const struct params *base,
+                      struct bench_loaded *out, struct error *err)
 {
     struct assets_hair hair = {0};
     struct assets_sky sky = {0};
-    bool ok = assets_hair_load(&hair, ask->hair, NULL, err) &&
-              assets_sky_load(&sky, ask->env, NULL, err);
-    renderer_set_params(r, ask->base);
+    bool ok = assets_hair_load(&hair, hair_name, NULL, err) &&
+              assets_sky_load(&sky, env, NULL, err);
+    *out =
+        (struct bench_loaded){.strands = hair.strands, .points = hair.points};
+    renderer_set_params(r, base);
     if (ok) {
-        memcpy(s->hair_sha, hair.source.sha256, sizeof s->hair_sha);
-        memcpy(s->sky_sha, sky.source.sha256, sizeof s->sky_sha);
-        name_scene(s, hair.source.name, sky.source.name);
-        s->result.strands = hair.strands;
-        s->result.points = hair.points;
+        memcpy(out->hair_sha, hair.source.sha256, sizeof out->hair_sha);
+        memcpy(out->sky_sha, sky.source.sha256, sizeof out->sky_sha);
+        name_scene(out, hair.source.name, sky.source.name);
         struct groom *g = hair.groom;
         struct sky_map *m = sky.map;
         hair.groom = NULL;
@@ -69,14 +71,15 @@ static bool load(struct bench_scene *s, struct renderer *r,
 static bool truth(struct bench_scene *s, struct renderer *r,
                   const struct bench_scene_ask *ask, struct error *err)
 {
+    const struct bench_loaded *l = &s->loaded;
     const struct bench_truth_ask q = {
         .params = ask->base,
         .places = (size_t)ask->places,
         .exact = (size_t)ask->exact,
         .paths = ask->paths,
         .picture_paths = ask->picture_paths,
-        .hair_sha = s->hair_sha,
-        .sky_sha = s->sky_sha,
+        .hair_sha = l->hair_sha,
+        .sky_sha = l->sky_sha,
         .cache = ask->cache,
     };
     return bench_time_finish(r, ask->base, NULL, err) &&
@@ -127,18 +130,23 @@ bool bench_scene_run(struct bench_scene *s, const struct bench_scene_ask *ask,
     *s = (struct bench_scene){0};
     struct bench_result *b = &s->result;
     struct renderer *r = renderer_create(ask->cache, err);
-    bool ok = r && load(s, r, ask, err) && truth(s, r, ask, err);
+    struct bench_loaded *l = &s->loaded;
+    bool ok = r &&
+              bench_scene_load(r, ask->hair, ask->env, ask->base, l, err) &&
+              truth(s, r, ask, err);
     if (ok) {
         snprintf(s->device, sizeof s->device, "%s", renderer_device(r));
-        b->name = s->name;
-        b->id = s->id;
+        b->name = l->name;
+        b->id = l->id;
+        b->strands = l->strands;
+        b->points = l->points;
         b->device = s->device;
         b->truth = &s->truth;
         b->paths = ask->paths;
         b->picture_paths = ask->picture_paths;
         b->picture_samples = ask->picture_samples;
         const struct bench_view v = {
-            .name = s->name,
+            .name = l->name,
             .r = r,
             .base = ask->base,
             .truth = &s->truth,

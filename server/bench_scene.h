@@ -24,10 +24,20 @@ struct bench_scene_ask {
     void *self;
 };
 
+struct bench_loaded {        // what was opened
+    char name[136], id[136]; // "ponytail, studio"; letters, digits, '_'
+    char hair_sha[65], sky_sha[65];
+    uint32_t strands, points;
+};
+// Gives the renderer a groom and a sky, as options name them.
+bool bench_scene_load(struct renderer *r, const char *hair, const char *env,
+                      const struct params *base, struct bench_loaded *out,
+                      struct error *err);
+
 struct bench_scene { // zero-initialised is empty
     struct bench_result result;
-    char name[136], id[136], device[160];
-    char hair_sha[65], sky_sha[65];
+    struct bench_loaded loaded;
+    char device[160];
     struct bench_truth truth;
     struct bench_setting *setting;
     struct bench_row *row;

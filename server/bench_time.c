@@ -1,11 +1,13 @@
 // bench_time.c - edits against the clock.  Encoding and sending are the
-// server's, not the renderer's, and are left out.
+// server's, not the renderer's, and are not in an edit's time.
 #include "server/bench_time.h"
 
 #include <math.h>
+#include <string.h>
 #include <time.h>
 
 #include "protocol/bytes.h"
+#include "renderer/encode.h"
 #include "renderer/timer.h"
 
 const char *const bench_edit_names[BENCH_EDITS] = {
@@ -52,34 +54,80 @@ bool bench_time_finish(struct renderer *r, const struct params *p,
     return true;
 }
 
-// Behind the stages: the whole, and what this process had of all processors.
-enum { WHOLE = RENDERER_STAGES, CPU, COLUMNS };
-
-static double cpu_ms(void)
+static double processor_ms(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return 1e3 * (double)t.tv_sec + (double)t.tv_nsec / 1e6;
+    return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
 }
 
-// One edit; ms[COLUMNS].
-static bool one(struct renderer *r, const struct params *p, double *ms,
-                struct error *err)
+static double encode(const struct buf *pixels, const struct params *p)
+{
+    struct buf jpeg = {0};
+    const double began = timer_now();
+    encode_jpeg(&jpeg, pixels->data, p->image.width, p->image.height, 85,
+                ENCODE_420);
+    buf_finish(&jpeg);
+    return 1e3 * (timer_now() - began);
+}
+
+static bool draft(struct renderer *r, struct bench_frame *f, double *ms,
+                  struct error *err)
 {
     struct renderer_stats s;
-    struct buf pixels = {0};
-    const double began = timer_now(), cpu = cpu_ms();
-    bool ok = bench_time_finish(r, p, ms, err) &&
-              renderer_read_display(r, &pixels, err);
-    ms[WHOLE] = 1e3 * (timer_now() - began);
-    ms[CPU] = cpu_ms() - cpu;
-    buf_finish(&pixels);
+    renderer_set_params(r, f->params);
+    if (!renderer_draft(r, f->how, err))
+        return false;
+    renderer_stats(r, &s);
+    memcpy(ms, s.stage_ms, sizeof s.stage_ms);
+    return true;
+}
+
+bool bench_time_frame(struct renderer *r, struct bench_frame *f, double *ms,
+                      struct error *err)
+{
+    struct renderer_stats s;
+    const double began = timer_now(), used = processor_ms();
+    bool ok = (f->how ? draft(r, f, ms, err)
+                      : bench_time_finish(r, f->params, ms, err)) &&
+              renderer_read_display(r, &f->pixels, err);
+    ms[BENCH_WHOLE] = 1e3 * (timer_now() - began);
+    ms[BENCH_PROCESSOR] = processor_ms() - used;
+    ms[BENCH_ENCODE] = ok && f->encode ? encode(&f->pixels, f->params) : 0;
     if (!ok)
         return false;
     renderer_stats(r, &s);
     ms[RENDERER_DISPLAY] = s.stage_ms[RENDERER_DISPLAY];
     ms[RENDERER_READ] = s.stage_ms[RENDERER_READ];
     return true;
+}
+
+void bench_time_note(struct bench_log *log, const double *ms)
+{
+    if (log->n == BENCH_RUNS_MAX)
+        return;
+    for (int i = 0; i < BENCH_COLUMNS; i++)
+        log->ms[i][log->n] = ms[i];
+    log->n++;
+}
+
+void bench_time_take(const struct bench_log *log, struct bench_times *out)
+{
+    const size_t n = log->n;
+    *out = (struct bench_times){.runs = (int)n};
+    if (n == 0)
+        return;
+    for (int i = 0; i < RENDERER_STAGES; i++)
+        out->stage[i] = metric_quantile(log->ms[i], n, 0.5);
+    out->median = metric_median(log->ms[BENCH_WHOLE], n);
+    out->least = metric_quantile(log->ms[BENCH_WHOLE], n, 0);
+    out->p95 = metric_quantile(log->ms[BENCH_WHOLE], n, 0.95);
+    out->cpu = metric_quantile(log->ms[BENCH_PROCESSOR], n, 0);
+    for (size_t i = 0; i < n; i++)
+        out->crowd = fmax(out->crowd, log->ms[BENCH_PROCESSOR][i] /
+                                          log->ms[BENCH_WHOLE][i]);
+    out->processor = metric_quantile(log->ms[BENCH_PROCESSOR], n, 0.5);
+    out->encode = metric_quantile(log->ms[BENCH_ENCODE], n, 0.5);
 }
 
 static bool enough(const struct bench_effort *e, double began, int runs)
@@ -89,33 +137,44 @@ static bool enough(const struct bench_effort *e, double began, int runs)
            (e->seconds > 0 && spent > e->seconds && runs >= BENCH_RUNS_LEAST);
 }
 
+bool bench_time_series(struct renderer *r, const struct params *p,
+                       const struct bench_series *series,
+                       const struct bench_effort *effort,
+                       struct bench_times *out, struct error *err)
+{
+    struct bench_log log = {.n = 0};
+    struct bench_frame frame = {.encode = series->encode};
+    double now[BENCH_COLUMNS] = {0};
+    const double began = timer_now();
+    bool ok = true;
+    for (int k = 0, warm_up = 2; ok && !enough(effort, began, (int)log.n);
+         k++) {
+        struct params edited = *p;
+        series->edit(series->self, &edited, k);
+        frame.params = &edited;
+        ok = bench_time_frame(r, &frame, now, err);
+        if (k == 0 && effort->seconds > 0 &&
+            timer_now() - began > effort->seconds / 4)
+            warm_up = 1;
+        if (series->each)
+            series->each[k] = k >= warm_up ? now[BENCH_WHOLE] : NAN;
+        if (k >= warm_up)
+            bench_time_note(&log, now);
+    }
+    buf_finish(&frame.pixels);
+    bench_time_take(&log, out);
+    return ok && bench_time_finish(r, p, NULL, err);
+}
+
+static void usual(const void *self, struct params *p, int k)
+{
+    make_edit(p, *(const enum bench_edit *)self, k);
+}
+
 bool bench_time(struct renderer *r, const struct params *p,
                 enum bench_edit edit, const struct bench_effort *effort,
                 struct bench_times *out, struct error *err)
 {
-    double ms[COLUMNS][BENCH_RUNS_MAX], now[COLUMNS] = {0}, crowd = 0;
-    const double began = timer_now();
-    size_t n = 0;
-    for (int k = 0, warm_up = 2; !enough(effort, began, (int)n); k++) {
-        struct params edited = *p;
-        make_edit(&edited, edit, k);
-        if (!one(r, &edited, now, err))
-            return false;
-        if (k == 0 && effort->seconds > 0 &&
-            timer_now() - began > effort->seconds / 4)
-            warm_up = 1;
-        for (int i = 0; k >= warm_up && i < COLUMNS; i++)
-            ms[i][n] = now[i];
-        if (k >= warm_up)
-            crowd = fmax(crowd, now[CPU] / now[WHOLE]);
-        n += k >= warm_up;
-    }
-    *out = (struct bench_times){.runs = (int)n, .crowd = crowd};
-    for (int i = 0; i < RENDERER_STAGES; i++)
-        out->stage[i] = metric_quantile(ms[i], n, 0.5);
-    out->median = metric_median(ms[WHOLE], n);
-    out->least = metric_quantile(ms[WHOLE], n, 0);
-    out->cpu = metric_quantile(ms[CPU], n, 0);
-    out->p95 = metric_quantile(ms[WHOLE], n, 0.95);
-    return bench_time_finish(r, p, NULL, err);
+    const struct bench_series series = {.edit = usual, .self = &edit};
+    return bench_time_series(r, p, &series, effort, out, err);
 }

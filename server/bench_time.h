@@ -28,6 +28,8 @@ struct bench_times {
     double least, p95;             // ms
     double cpu;                    // ms of all processors, the least
     double crowd;                  // processors at work, the most of any run
+    double processor;              // ms of all threads, median
+    double encode;                 // ms of JPEG afterwards, median; 0: none
     double stage[RENDERER_STAGES]; // ms, medians; < 0: did not run
 };
 
@@ -36,6 +38,46 @@ struct bench_effort {
     double seconds; // after so many no more than BENCH_RUNS_LEAST are made;
                     // 0: no limit
 };
+
+enum { // columns of a log, after the stages'
+    BENCH_WHOLE = RENDERER_STAGES,
+    BENCH_PROCESSOR,
+    BENCH_ENCODE,
+    BENCH_COLUMNS
+};
+struct bench_log { // ms
+    double ms[BENCH_COLUMNS][BENCH_RUNS_MAX];
+    size_t n;
+};
+// One edit as it is done: *p until it is done (a draft, where `how` is one) and
+// read as displayed into *pixels, ms[BENCH_COLUMNS]; encoded besides where that
+// is asked for.
+struct bench_frame {
+    const struct params *params;
+    struct renderer_draft *how; // NULL: the full frame
+    bool encode;
+    struct buf pixels; // the caller's
+};
+bool bench_time_frame(struct renderer *r, struct bench_frame *f, double *ms,
+                      struct error *err);
+void bench_time_note(struct bench_log *log, const double *ms);
+void bench_time_take(const struct bench_log *log, struct bench_times *out);
+
+// Edit number k >= 0 of a series, on a fresh copy of the base.
+typedef void bench_edit_fn(const void *self, struct params *p, int k);
+struct bench_series {
+    bench_edit_fn *edit;
+    const void *self;
+    bool encode;  // as a frame is sent: JPEG 85, 4:2:0; not in the time
+    double *each; // [BENCH_RUNS_MAX + 2] ms of edit k, NaN: not counted; or
+                  // NULL
+};
+
+// As bench_time, of any edits.
+bool bench_time_series(struct renderer *r, const struct params *p,
+                       const struct bench_series *series,
+                       const struct bench_effort *effort,
+                       struct bench_times *out, struct error *err);
 
 // Makes edits of one kind around *p, each different from the one before, after
 // two that are not counted (one, where it takes a quarter of the time), and

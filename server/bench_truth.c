@@ -71,7 +71,8 @@ static bool mark(struct making *m, struct error *err)
     if (!scene_of(m, err) || !reference_path(m->scene, place, n, &how, paths))
         return false;
     reference_single(m->scene, place, 1, 0, SEED, &one);
-    reference_single(m->scene, place, 1, REFERENCE_SRBF, SEED, &light);
+    if (m->t->exact > 0) // a tenth of a second and more
+        reference_single(m->scene, place, 1, REFERENCE_SRBF, SEED, &light);
     digest_begin(&m->mark);
     for (size_t i = 0; i < n; i++)
         add(&m->mark, paths[i].whole, sizeof paths[i].whole);
@@ -224,7 +225,8 @@ static bool at_places(struct making *m, struct error *err)
     k = keep_of(m, "lights");
     add_places(&k.key, t, t->exact);
     add_groups(&k.key, m->ask->params, " sky ");
-    if (!get(m, &k, make_lights, &t->lights, 3 * t->exact, err))
+    if (!m->ask->no_lights &&
+        !get(m, &k, make_lights, &t->lights, 3 * t->exact, err))
         return false;
     k = keep_of(m, "open");
     add_places(&k.key, t, t->exact);
@@ -279,7 +281,7 @@ bool bench_truth_make(struct bench_truth *t, struct renderer *r,
     struct making m = {.t = t, .r = r, .ask = ask};
     *t = (struct bench_truth){0};
     const bool ok = places(&m, err) && mark(&m, err) && at_places(&m, err) &&
-                    whole_picture(&m, err);
+                    (ask->picture_paths == 0 || whole_picture(&m, err));
     reference_destroy(m.scene);
     return ok;
 }

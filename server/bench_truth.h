@@ -23,7 +23,8 @@ struct bench_truth_ask {
     size_t places;               // random visible ones
     size_t exact;      // of these, places at which single lights are integrated
     int paths;         // for each place
-    int picture_paths; // for each pixel of the picture
+    int picture_paths; // for each pixel of the picture; 0: no picture
+    bool no_lights;    // leaves `lights` out
     const char *hair_sha, *sky_sha; // hexadecimal
     const char *cache;              // directory, or NULL: keep nothing
 };

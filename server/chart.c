@@ -8,7 +8,7 @@
 
 #include "server/chart_private.h"
 
-static const char *const colours[CHART_GROUPS_MAX] = {
+const char *const chart_colours[CHART_GROUPS_MAX] = {
     "#1b6ca8", "#c2410c", "#2e7d32", "#7b3fa0", "#b8860b", "#00838f",
     "#ad1457", "#5d4037", "#455a64", "#6a8f00", "#d81b60", "#3949ab"};
 
@@ -51,18 +51,13 @@ void chart_escape(struct buf *out, const char *text)
 
 // --- axes --------------------------------------------------------------------
 
-struct axis {
-    double low, high; // decimal logarithms
-    double from, to;  // pixels
-};
-
-static double put(const struct axis *a, double v)
+double chart_put(const struct chart_axis *a, double v)
 {
     return a->from +
            (log10(v) - a->low) / (a->high - a->low) * (a->to - a->from);
 }
 
-static void widen(struct axis *a, double v)
+void chart_widen(struct chart_axis *a, double v)
 {
     if (!(isfinite(v) && v > 0))
         return;
@@ -70,21 +65,20 @@ static void widen(struct axis *a, double v)
     a->high = fmax(a->high, log10(v));
 }
 
-// A margin around what is shown, and never less than a factor of four: small
-// differences shall look small.
-static void settle(struct axis *a)
+void chart_settle(struct chart_axis *a)
 {
     const double least = log10(4), middle = 0.5 * (a->low + a->high);
     const double half = fmax(0.5 * least, 0.54 * (a->high - a->low) + 0.02);
     if (!(a->high >= a->low)) // no point at all
-        *a = (struct axis){-1, 1, a->from, a->to};
+        *a = (struct chart_axis){-1, 1, a->from, a->to};
     else
         a->low = middle - half, a->high = middle + half;
 }
 
-static void tick(struct buf *out, const struct axis *a, double v, bool across)
+static void tick(struct buf *out, const struct chart_axis *a, double v,
+                 bool across)
 {
-    const double at = put(a, v);
+    const double at = chart_put(a, v);
     if (across)
         buf_printf(out,
                    "<line x1=\"%.1f\" y1=\"%d\" x2=\"%.1f\" y2=\"%d\" "
@@ -101,7 +95,7 @@ static void tick(struct buf *out, const struct axis *a, double v, bool across)
 }
 
 // At 1, 2 and 5 of every decade; on long axes at 1 alone.
-static void ticks(struct buf *out, const struct axis *a, bool across)
+static void ticks(struct buf *out, const struct chart_axis *a, bool across)
 {
     static const double steps[] = {1, 2, 5};
     const int n = a->high - a->low > 2.5 ? 1 : 3;
@@ -117,7 +111,7 @@ static void ticks(struct buf *out, const struct axis *a, bool across)
 
 static void mark(struct buf *out, int group, bool front, double x, double y)
 {
-    const char *colour = colours[group % CHART_GROUPS_MAX];
+    const char *colour = chart_colours[group % CHART_GROUPS_MAX];
     const double r = 4;
     buf_printf(out, "<path d=\"");
     switch (group % 4) {
@@ -138,22 +132,22 @@ static void mark(struct buf *out, int group, bool front, double x, double y)
                front ? colour : "#ffffff", colour);
 }
 
-static void bar(struct buf *out, const struct axis *y, double x,
+static void bar(struct buf *out, const struct chart_axis *y, double x,
                 const struct chart_point *p)
 {
     if (!(p->low > 0 && p->high >= p->low && isfinite(p->high)))
         return;
-    const double low = fmin(put(y, p->low), CHART_BOTTOM);
-    const double high = fmax(put(y, p->high), CHART_TOP);
+    const double low = fmin(chart_put(y, p->low), CHART_BOTTOM);
+    const double high = fmax(chart_put(y, p->high), CHART_TOP);
     buf_printf(out,
                "<path d=\"M%.1f %.1fV%.1f\" stroke=\"%s\" "
                "stroke-opacity=\"0.45\" fill=\"none\"/>\n",
-               x, low, high, colours[p->group % CHART_GROUPS_MAX]);
+               x, low, high, chart_colours[p->group % CHART_GROUPS_MAX]);
 }
 
 // The border of what is reached: down a step at each point of the front.
 static void front_line(struct buf *out, const struct chart *c,
-                       const struct axis *ax, const struct axis *ay)
+                       const struct chart_axis *ax, const struct chart_axis *ay)
 {
     double x = 0, y = 0;
     bool any = false;
@@ -168,7 +162,7 @@ static void front_line(struct buf *out, const struct chart *c,
         }
         if (!next)
             break;
-        const double px = put(ax, next->x), py = put(ay, next->y);
+        const double px = chart_put(ax, next->x), py = chart_put(ay, next->y);
         if (any)
             buf_printf(out, "H%.1fV%.1f", px, py);
         else
@@ -184,29 +178,48 @@ static void front_line(struct buf *out, const struct chart *c,
     buf_text(out, "\"/>\n");
 }
 
-static void line_of_text(struct buf *out, const char *attributes,
-                         const char *text)
+void chart_text(struct buf *out, const char *attributes, const char *text)
 {
     buf_printf(out, "<text %s>", attributes);
     chart_escape(out, text ? text : "");
     buf_text(out, "</text>\n");
 }
 
+// Points of a group joined in their order.
+static void lines(struct buf *out, const struct chart *c,
+                  const struct chart_axis *ax, const struct chart_axis *ay)
+{
+    for (int g = 0; g < CHART_GROUPS_MAX; g++) {
+        bool any = false;
+        for (int i = 0; i < c->count; i++) {
+            const struct chart_point *p = &c->point[i];
+            if (p->group != g || !usable(p))
+                continue;
+            buf_printf(out, any ? "L%.1f %.1f" : "<path d=\"M%.1f %.1f",
+                       chart_put(ax, p->x), chart_put(ay, p->y));
+            any = true;
+        }
+        if (any)
+            buf_printf(out, "\" fill=\"none\" stroke=\"%s\"/>\n",
+                       chart_colours[g]);
+    }
+}
+
 static void frame(struct buf *out, const struct chart *c)
 {
     char at[160];
     snprintf(at, sizeof at, "x=\"%d\" y=\"22\" font-size=\"14\"", CHART_LEFT);
-    line_of_text(out, at, c->title);
+    chart_text(out, at, c->title);
     snprintf(at, sizeof at, "x=\"%d\" y=\"38\" fill=\"#555555\"", CHART_LEFT);
-    line_of_text(out, at, c->note);
+    chart_text(out, at, c->note);
     snprintf(at, sizeof at, "x=\"%d\" y=\"%d\" text-anchor=\"middle\"",
              (CHART_LEFT + CHART_RIGHT) / 2, CHART_BOTTOM + 34);
-    line_of_text(out, at, c->x_title);
+    chart_text(out, at, c->x_title);
     snprintf(at, sizeof at,
              "transform=\"translate(16 %d) rotate(-90)\" "
              "text-anchor=\"middle\"",
              (CHART_TOP + CHART_BOTTOM) / 2);
-    line_of_text(out, at, c->y_title);
+    chart_text(out, at, c->y_title);
     buf_printf(out,
                "<rect x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\" "
                "fill=\"none\" stroke=\"#444444\"/>\n",
@@ -227,47 +240,53 @@ static void legend(struct buf *out, const struct chart *c)
         mark(out, g, true, x + 5, CHART_BOTTOM + 51);
         snprintf(at, sizeof at, "x=\"%.1f\" y=\"%d\"", x + 14,
                  CHART_BOTTOM + 55);
-        line_of_text(out, at, c->groups[g]);
+        chart_text(out, at, c->groups[g]);
         x += 30 + CHART_CHARACTER * (double)strlen(c->groups[g]);
     }
     buf_printf(out,
                "<text x=\"%d\" y=\"%d\" text-anchor=\"end\" "
-               "fill=\"#555555\">filled and dashed: Pareto front; bars: "
-               "95 %%</text>\n",
-               CHART_WIDTH - 8, CHART_BOTTOM + 34);
+               "fill=\"#555555\">%s</text>\n",
+               CHART_WIDTH - 8, CHART_BOTTOM + 34,
+               c->series ? "" : "filled and dashed: Pareto front; bars: 95 %");
 }
 
-void chart_svg(struct chart *c, struct buf *out)
+void chart_begin(struct buf *out, int width, int height)
 {
-    struct chart_spot *spot = bytes_alloc(CHART_POINTS_MAX * sizeof *spot);
-    struct axis ax = {INFINITY, -INFINITY, CHART_LEFT, CHART_RIGHT};
-    struct axis ay = {INFINITY, -INFINITY, CHART_BOTTOM, CHART_TOP};
-    int n = 0;
-    chart_front(c->point, c->count);
-    for (int i = 0; i < c->count; i++)
-        if (usable(&c->point[i])) {
-            widen(&ax, c->point[i].x);
-            widen(&ay, c->point[i].y);
-        }
-    settle(&ax);
-    settle(&ay);
     buf_printf(out,
                "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" "
                "height=\"%d\" viewBox=\"0 0 %d %d\" "
                "font-family=\"DejaVu Sans Mono,monospace\" "
                "font-size=\"10\" fill=\"#111111\">\n<rect width=\"%d\" "
                "height=\"%d\" fill=\"#ffffff\"/>\n",
-               CHART_WIDTH, CHART_HEIGHT, CHART_WIDTH, CHART_HEIGHT,
-               CHART_WIDTH, CHART_HEIGHT);
+               width, height, width, height, width, height);
+}
+
+void chart_svg(struct chart *c, struct buf *out)
+{
+    struct chart_spot *spot = bytes_alloc(CHART_POINTS_MAX * sizeof *spot);
+    struct chart_axis ax = {INFINITY, -INFINITY, CHART_LEFT, CHART_RIGHT};
+    struct chart_axis ay = {INFINITY, -INFINITY, CHART_BOTTOM, CHART_TOP};
+    int n = 0;
+    chart_front(c->point, c->count);
+    for (int i = 0; i < c->count; i++)
+        c->point[i].front |= c->series && usable(&c->point[i]);
+    for (int i = 0; i < c->count; i++)
+        if (usable(&c->point[i])) {
+            chart_widen(&ax, c->point[i].x);
+            chart_widen(&ay, c->point[i].y);
+        }
+    chart_settle(&ax);
+    chart_settle(&ay);
+    chart_begin(out, CHART_WIDTH, CHART_HEIGHT);
     ticks(out, &ax, true);
     ticks(out, &ay, false);
     frame(out, c);
-    front_line(out, c, &ax, &ay);
+    (c->series ? lines : front_line)(out, c, &ax, &ay);
     for (int i = 0; i < c->count && n < CHART_POINTS_MAX; i++)
         if (usable(&c->point[i])) {
             spot[n] = (struct chart_spot){.of = &c->point[i],
-                                          .x = put(&ax, c->point[i].x),
-                                          .y = put(&ay, c->point[i].y)};
+                                          .x = chart_put(&ax, c->point[i].x),
+                                          .y = chart_put(&ay, c->point[i].y)};
             bar(out, &ay, spot[n].x, &c->point[i]);
             n++;
         }

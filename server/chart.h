@@ -18,7 +18,7 @@ enum { CHART_POINTS_MAX = 128, CHART_GROUPS_MAX = 12 };
 struct chart_point {
     double x, y;       // > 0
     double low, high;  // interval of y; NaN: none is drawn
-    const char *label; // UTF-8; escaped here
+    const char *label; // UTF-8; escaped here; "": none
     int group;         // 0..CHART_GROUPS_MAX-1: shape and colour
     bool front;        // out: no other point is both faster and better
 };
@@ -27,7 +27,9 @@ struct chart {
     const char *title, *note, *x_title, *y_title; // texts are escaped here
     const char *groups[CHART_GROUPS_MAX];         // names; NULL: not shown
     struct chart_point *point;
-    int count; // at most CHART_POINTS_MAX
+    int count;   // at most CHART_POINTS_MAX
+    bool series; // points of a group are joined in their order and there is no
+                 // front: growth
 };
 
 // Appends one SVG document.  Points that are not finite and positive are left

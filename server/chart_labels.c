@@ -121,7 +121,7 @@ void chart_labels(const struct chart_spot *spot, int n, struct buf *out)
     l->n = n;
     for (int pass = 0; pass < 2; pass++)
         for (int i = 0; i < n; i++)
-            if (spot[i].of->front == (pass == 0))
+            if (spot[i].of->front == (pass == 0) && spot[i].of->label[0])
                 l->away[i] = !put_beside(l, i);
     column(l, out);
     for (int i = 0; i < n; i++)

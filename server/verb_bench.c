@@ -11,6 +11,7 @@
 #include "renderer/groom.h"
 #include "renderer/timer.h"
 #include "server/bench_front.h"
+#include "server/bench_edits_report.h"
 #include "server/bench_report.h"
 #include "server/bench_scene.h"
 #include "server/cache.h"
@@ -22,7 +23,7 @@ enum { SCENES_MAX = 64 };
 struct bench {
     struct options options;
     const char *scenes, *report, *plot, *only, *command, *front;
-    bool quick, full, refined, no_cache;
+    bool quick, full, refined, no_cache, edits;
     double seconds;
     int runs, places, exact, paths, picture_paths, picture_samples;
     char hair[SCENES_MAX][512], env[SCENES_MAX][512];
@@ -65,7 +66,10 @@ static bool list_scenes(struct bench *b)
     const char *list = b->scenes;
     if (!list && b->options.hair_given)
         return add_scene(b, b->options.hair, strlen(b->options.hair));
-    if (!list && b->front) // strands: a few, some, many; straight and curly
+    if (!list && b->edits)
+        list = b->quick ? "animation,ponytail"
+                        : "animation,straight,natural,ponytail,bob,dark";
+    else if (!list && b->front) // strands: a few, some, many; straight, curly
         list = "ponytail,animation,straight,natural";
     else if (!list && b->quick)
         list = "ponytail";
@@ -159,7 +163,8 @@ static bool write_report(struct bench *b, const char *device, double seconds,
 static bool write_front(struct bench *b, const struct bench_scene *s,
                         struct error *err)
 {
-    const struct bench_front_scene scene = {s->hair_sha, s->sky_sha,
+    const struct bench_front_scene scene = {s->loaded.hair_sha,
+                                            s->loaded.sky_sha,
                                             (int)sysconf(_SC_NPROCESSORS_ONLN)};
     struct front *f = bytes_zalloc(1, sizeof *f);
     bench_front_make(&s->result, &scene, f);
@@ -222,10 +227,108 @@ static int bench(struct bench *b)
     return ok ? 0 : options_fail(&err);
 }
 
+// --- what an edit costs ------------------------------------------------------
+
+static void tell_edits(const struct bench_edits_scene *s)
+{
+    struct buf line = {0};
+    for (int i = 0; i < s->rows; i++)
+        bench_edits_json(s, &s->row[i], &line);
+    tell(NULL, &line);
+    buf_finish(&line);
+}
+
+static bool edits_scene(struct bench *b, int i, const char *cache,
+                        struct bench_edits_scene *out, struct error *err)
+{
+    static const char builtin[] = "builtin:";
+    const size_t n = sizeof builtin - 1;
+    const char *name = b->hair[i];
+    const bool whole = strncmp(name, builtin, n) != 0 ||
+                       bench_kinds_scene(name + n) >= 0 || b->count == 1;
+    const struct bench_edits_ask ask = {
+        .hair = name,
+        .env = b->env[i],
+        .base = &b->options.params,
+        .effort = {b->runs, 0},
+        .slow = {b->runs < 20 ? b->runs : 20, b->seconds},
+        .forward = {b->quick ? 2 : 5, 4}, // of what is slow no more than 3
+        .cold = b->quick ? 1 : 7,
+        .places = b->places,
+        .exact = b->exact < b->places ? b->exact : b->places,
+        .paths = b->paths,
+        .cache = cache,
+        .brief = !whole,
+        .few = b->quick,
+    };
+    if (!bench_edits_run(out, &ask, err))
+        return false;
+    tell_edits(out);
+    return true;
+}
+
+static bool write_edits(struct bench *b, const struct bench_edits_head *head,
+                        const struct bench_edits_scene *scene,
+                        struct error *err)
+{
+    struct buf out = {0};
+    bench_edits_page(head, scene, b->count, &out);
+    bool ok = !b->report || file_write(b->report, &out, err);
+    buf_clear(&out);
+    bench_edits_plot(head, scene, b->count, &out);
+    ok = ok && (!b->plot || file_write(b->plot, &out, err));
+    buf_finish(&out);
+    return ok;
+}
+
+static int edits(struct bench *b)
+{
+    struct error err = {0};
+    struct bench_edits_scene *scene =
+        bytes_zalloc((size_t)b->count, sizeof *scene);
+    char *cache = b->no_cache ? NULL : cache_directory();
+    const double began = timer_now();
+    struct bench_edits_head head = {
+        .command = b->command ? b->command : "glintd bench --edits",
+        .cores = (int)sysconf(_SC_NPROCESSORS_ONLN),
+        .runs = b->runs,
+        .forward_runs = b->quick ? 2 : 5,
+        .cold = b->quick ? 1 : 7,
+        .places = b->places,
+        .exact = b->exact,
+        .paths = b->paths,
+        .base = &b->options.params,
+        .skipped = "a groom from a file, because none was named",
+    };
+    bool ok = true;
+    getloadavg(&head.load[0], 1);
+    for (int i = 0; ok && i < b->count; i++) {
+        ok = edits_scene(b, i, cache, &scene[i], &err);
+        if (strchr(b->hair[i], ':') == NULL)
+            head.skipped = NULL;
+    }
+    getloadavg(&head.load[1], 1);
+    head.seconds = timer_now() - began;
+    head.device = scene[0].device;
+    if (b->plot)
+        head.plot = seen_from(b->report, b->plot);
+    ok = ok && write_edits(b, &head, scene, &err);
+    free(scene);
+    free(cache);
+    return ok ? 0 : options_fail(&err);
+}
+
 // What is not given is by the length of the run.
 static void defaults(struct bench *b)
 {
     const bool q = b->quick || b->front;
+    if (b->edits) {
+        b->runs = b->runs ? b->runs : q ? 5 : 24;
+        b->seconds = b->seconds >= 0 ? b->seconds : q ? 3 : 12;
+        b->places = b->places ? b->places : q ? 60 : 150;
+        b->exact = b->exact >= 0 ? b->exact : q ? 0 : 20;
+        b->paths = b->paths ? b->paths : q ? 16 : 32;
+    }
     b->runs = b->runs ? b->runs : 10;
     b->seconds = b->seconds >= 0 ? b->seconds : q ? 3 : 8;
     b->places = b->places ? b->places : q ? 200 : 500;
@@ -247,6 +350,9 @@ int verb_bench_run(int argc, char **argv)
     const struct options_row rows[] = {
         {"scenes", OPTIONS_TEXT, &b->scenes, 0, 0, "HAIR[@ENV],...",
          "what is measured; the six built-in grooms unless --hair is given"},
+        {"edits", OPTIONS_FLAG, &b->edits, 0, 0, NULL,
+         "what an edit costs instead: every kind, beside paper-forward, with "
+         "its error"},
         {"quick", OPTIONS_FLAG, &b->quick, 0, 0, NULL,
          "one scene, fewer settings, places and paths: two minutes"},
         {"report", OPTIONS_TEXT, &b->report, 0, 0, "FILE.md",
@@ -295,7 +401,7 @@ int verb_bench_run(int argc, char **argv)
     if (status < 0) {
         defaults(b);
         if (list_scenes(b)) {
-            status = bench(b);
+            status = b->edits ? edits(b) : bench(b);
         } else {
             fprintf(stderr,
                     "glintd: bench: --scenes: HAIR or HAIR@ENV, joined "
