@@ -222,13 +222,19 @@ static struct params as_forward(const struct params *setting)
     return p;
 }
 
+static bool is_plain_fibre(const struct run *run, int i)
+{
+    return run->forward[i] == BENCH_EDIT_FIBRE &&
+           (params_changed(&run->setting[i], run->ask->base) &
+            1u << GROUP_fibre) == 0;
+}
+
 static bool forward(struct run *run, int i, struct error *err)
 {
     struct bench_edits_row *row = &run->out->row[i];
     const struct params p = as_forward(&run->setting[i]);
     const struct known *k = NULL;
-    if (run->forward[i] < 0 ||
-        (run->ask->few && run->forward[i] != BENCH_EDIT_FIBRE))
+    if (run->forward[i] < 0 || (run->ask->few && !is_plain_fibre(run, i)))
         return true;
     for (int j = 0; j < run->known_count && !k; j++)
         if (run->known[j].edit == run->forward[i] &&

@@ -19,7 +19,7 @@ struct bench_edits_ask {
     int places, exact, paths;    // of the reference
     const char *cache;           // directory, or NULL
     bool brief;                  // Table 2's rows alone
-    bool few;                    // paper-forward by edits of the fibre alone
+    bool few;                    // paper-forward by plain fibre edits alone
 };
 
 struct bench_edits_error { // of one state; NaN: not known
