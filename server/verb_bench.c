@@ -171,7 +171,10 @@ static bool write_front(struct bench *b, const struct bench_scene *s,
     front_print(f, &b->fronts);
     free(f);
     char *own = strcmp(b->front, "cache") == 0 ? front_cache_path() : NULL;
-    const bool ok = file_write(own ? own : b->front, &b->fronts, err);
+    const bool ok =
+        own || strcmp(b->front, "cache") != 0
+            ? file_write(own ? own : b->front, &b->fronts, err)
+            : error_set(err, "system", "", "--front cache: there is none");
     free(own);
     return ok;
 }

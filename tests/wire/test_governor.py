@@ -8,7 +8,8 @@ import subprocess
 import tempfile
 import zlib
 
-from glint_wire import GLINTD, PATIENCE, Daemon, equal, run, true, write_groom
+from glint_wire import GLINTD, PATIENCE, Daemon, equal, run, true, \
+    write_groom, written
 
 
 # A front on which choices are known: three numbers of lights, with and without
@@ -188,6 +189,37 @@ def bad_values_and_files():
             raise AssertionError("a bad --front was taken: %r" % text)
 
 
+def rendered_as_captured():
+    """`glintd render` goes by the same front, and writes the same bytes."""
+    front = HEAD % "d" + rows(SLOW)
+    d, c = start(front, "--set", "quality.error=0.3")
+    _, captured = c.capture("format=png")
+    values = c.ask("get")["values"]
+    with tempfile.TemporaryDirectory() as folder:
+        png = os.path.join(folder, "x.png")
+        with open(os.path.join(folder, "front.txt"), "w") as f:
+            f.write(front)
+        args = [GLINTD, "render", "--hair", d.groom, "--out", png, "--verbose"]
+        for name, value in values.items():
+            args += ["--set", "%s=%s" % (name, written(value))]
+        env = dict(os.environ, GLINT_CACHE=folder)
+        done = subprocess.run(args, capture_output=True, env=env,
+                              timeout=10 * PATIENCE)
+        equal(done.returncode, 0, done.stderr)
+        true(b"governor quality.error=0.3: sky.lights=10 shadow.rays=2\n"
+             in done.stdout, done.stdout)
+        with open(png, "rb") as f:
+            equal(f.read() == captured, True, "the same bytes")
+        # A cached front that is damaged is logged, and costs nothing else.
+        with open(os.path.join(folder, "front.txt"), "w") as f:
+            f.write("glint.front 0\n")
+        done = subprocess.run(args, capture_output=True, env=env,
+                              timeout=10 * PATIENCE)
+        equal(done.returncode, 0, done.stderr)
+        true(b"front.txt:1: " in done.stderr, done.stderr)
+    d.stop()
+
+
 def measured_front_is_served():
     """What `bench --front` writes is what `serve --front` takes."""
     with tempfile.TemporaryDirectory() as folder:
@@ -218,4 +250,5 @@ def measured_front_is_served():
 
 run([chooses_tells_and_repeats, budget_keeps_rays_and_user_values,
      wide_budget_is_the_default_or_better, frames_say_it, measures_as_it_goes,
-     bad_values_and_files, measured_front_is_served])
+     bad_values_and_files, rendered_as_captured,
+     measured_front_is_served])
