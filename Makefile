@@ -222,6 +222,9 @@ floors:
 	    protocol/client/*.[ch] 2>/dev/null
 	@! grep -nE '#include "(server|tests)/' renderer/*.[ch]
 	@! grep -nE '#include "tests/' server/*.[ch]
+# Programs go back to their pool (program_pool.h).
+	@! grep -nE 'gl\.DeleteProgram' $(filter-out renderer/program%,\
+	    $(wildcard renderer/*.c server/*.c))
 FORMATTED = $(wildcard */*.[ch] */*/*.[ch])
 format:
 	clang-format -i $(FORMATTED)

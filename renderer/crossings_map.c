@@ -49,7 +49,7 @@ void crossings_map_finish(struct crossings *c)
     crossings_map_forget(c);
     for (int i = 0; i < 4; i++)
         if (m->program[i])
-            gl.DeleteProgram(m->program[i]);
+            program_drop(m->program[i]);
     memset(m, 0, sizeof *m);
 }
 

@@ -56,6 +56,6 @@ bool crossings_probe(const struct crossings_probe_run *run,
     gl.GetNamedBufferSubData(out, 0, (GLsizeiptr)size, results);
     gl.DeleteBuffers(1, &in);
     gl.DeleteBuffers(1, &out);
-    gl.DeleteProgram(program);
+    program_drop(program);
     return gl_check("running the shadows' probe", err);
 }

@@ -75,9 +75,9 @@ void crossings_sweep_finish(struct crossings *c)
         return;
     for (int a = 0; a < 3; a++)
         if (c->sweep[a])
-            gl.DeleteProgram(c->sweep[a]);
+            program_drop(c->sweep[a]);
     if (c->turn)
-        gl.DeleteProgram(c->turn);
+        program_drop(c->turn);
 }
 
 struct group { // directions that are swept along the same axis, the same way

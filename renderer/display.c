@@ -34,7 +34,7 @@ void display_forget_sky(struct display *d)
 void display_finish(struct display *d)
 {
     for (int i = 0; i < 3; i++)
-        gl.DeleteProgram(d->program[i]);
+        program_drop(d->program[i]);
     drop_pixels(d);
     display_forget_sky(d);
 }

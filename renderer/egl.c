@@ -12,6 +12,7 @@
 
 #include "protocol/bytes.h"
 #include "renderer/gl.h"
+#include "renderer/program_pool.h"
 
 // Displays belong to the process, not to a context: the last one out closes.
 static atomic_int users;
@@ -19,6 +20,7 @@ static atomic_int users;
 struct egl {
     EGLDisplay display;
     EGLContext context;
+    struct program_pool *programs;
     char device[256];
 };
 
@@ -102,6 +104,8 @@ struct egl *egl_create(struct error *err)
     }
     if (!gl_load(err))
         goto fail;
+    e->programs = program_pool_create();
+    program_pool_use(e->programs);
     if (getenv("GLINT_GL_DEBUG")) {
         gl.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
         gl.DebugMessageCallback(report, NULL);
@@ -119,6 +123,8 @@ void egl_destroy(struct egl *e)
     if (!e)
         return;
     if (e->context) {
+        egl_use(e);
+        program_pool_destroy(e->programs);
         if (eglGetCurrentContext() == e->context)
             eglMakeCurrent(e->display, EGL_NO_SURFACE, EGL_NO_SURFACE,
                            EGL_NO_CONTEXT);
@@ -135,6 +141,7 @@ void egl_destroy(struct egl *e)
 
 void egl_use(const struct egl *e)
 {
+    program_pool_use(e->programs);
     if (eglGetCurrentContext() != e->context)
         eglMakeCurrent(e->display, EGL_NO_SURFACE, EGL_NO_SURFACE, e->context);
 }

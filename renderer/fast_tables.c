@@ -254,8 +254,8 @@ void fast_tables_destroy(struct fast_tables *t)
     if (t->texture[0])
         drop_objects(t);
     if (t->values)
-        gl.DeleteProgram(t->values);
+        program_drop(t->values);
     if (t->pack)
-        gl.DeleteProgram(t->pack);
+        program_drop(t->pack);
     free(t);
 }

@@ -33,11 +33,11 @@ void forward_finish(struct forward *f)
 {
     forward_drop(f);
     for (int i = 0; i < FORWARD_VARIANTS; i++) {
-        gl.DeleteProgram(f->variant[i].thin);
-        gl.DeleteProgram(f->variant[i].wide);
+        program_drop(f->variant[i].thin);
+        program_drop(f->variant[i].wide);
     }
-    gl.DeleteProgram(f->number);
-    gl.DeleteProgram(f->add);
+    program_drop(f->number);
+    program_drop(f->add);
     memset(f, 0, sizeof *f);
 }
 
@@ -143,8 +143,8 @@ static struct forward_variant *variant_of(struct forward *f,
             v = &f->variant[i];
     }
     if (strcmp(v->defines, defines) != 0) {
-        gl.DeleteProgram(v->thin);
-        gl.DeleteProgram(v->wide);
+        program_drop(v->thin);
+        program_drop(v->wide);
         memset(v, 0, sizeof *v);
         snprintf(v->defines, sizeof v->defines, "%s", defines);
     }

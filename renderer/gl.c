@@ -1,6 +1,7 @@
 // gl.c - the function table, filled once a context is current.
 #include "renderer/gl.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
 #include <EGL/egl.h>
@@ -18,6 +19,9 @@ static bool fetch(void *slot, const char *name)
 
 bool gl_load(struct error *err)
 {
+    static atomic_bool loaded; // contexts come from one driver
+    if (atomic_load(&loaded))
+        return true;
 #define F(UPPER, Name) \
     if (!fetch(&gl.Name, "gl" #Name)) \
         return error_set(err, "gpu", "gl" #Name, \
@@ -25,6 +29,7 @@ bool gl_load(struct error *err)
                          " (OpenGL 4.5 core is needed)");
     GL_FUNCTIONS(F)
 #undef F
+    atomic_store(&loaded, true);
     return true;
 }
 

@@ -13,7 +13,7 @@ void layers_drop(struct layers *l)
 {
     gl.DeleteBuffers(LAYERS, l->radiance);
     gl.DeleteBuffers(LAYERS, l->sum);
-    gl.DeleteProgram(l->add);
+    program_drop(l->add);
     memset(l, 0, sizeof *l);
 }
 

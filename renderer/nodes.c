@@ -21,7 +21,7 @@ void nodes_finish(struct nodes *n)
     drop(&n->first);
     drop(&n->rest);
     for (int i = 0; i < PROGRAMS; i++)
-        gl.DeleteProgram(n->program[i]);
+        program_drop(n->program[i]);
     memset(n, 0, sizeof *n);
 }
 
@@ -52,7 +52,11 @@ static bool grow(struct nodes_store *s, const struct nodes_request *q,
     if (bytes > s->bytes) {
         drop(s);
         gl.CreateBuffers(1, &s->buffer);
-        gl.NamedBufferStorage(s->buffer, (GLsizeiptr)bytes, NULL, 0);
+        // Mesa's llvmpipe makes a program once more for a texture whose size is
+        // a power of two; so this one never has such a size.
+        const bool power = (bytes & (bytes - 1)) == 0 && bytes < 1 << 26;
+        gl.NamedBufferStorage(s->buffer, (GLsizeiptr)(bytes + (power ? 8 : 0)),
+                              NULL, 0);
         gl.ObjectLabel(GL_BUFFER, s->buffer, -1, "transmittances");
         gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &s->texture);
         gl.TextureBuffer(s->texture, GL_RG32UI, s->buffer);

@@ -48,7 +48,7 @@ void picture_finish(struct picture *p)
     picture_gl_finish(&p->drawn);
     const unsigned programs[] = {p->cells, p->cells_drawn, p->count, p->add};
     for (int i = 0; i < 4; i++)
-        gl.DeleteProgram(programs[i]);
+        program_drop(programs[i]);
     gl.DeleteBuffers(1, &p->scene);
     memset(p, 0, sizeof *p);
 }

@@ -38,8 +38,8 @@ static bool programs(struct picture_gl *g, bool opacity, struct error *err)
         g->solid = program_raster("head.vert", "head.frag", NULL, err);
     if (g->solid && g->thin && g->wide && opacity == g->opacity_variant)
         return true;
-    gl.DeleteProgram(g->thin);
-    gl.DeleteProgram(g->wide);
+    program_drop(g->thin);
+    program_drop(g->wide);
     g->thin = program_raster("visible.vert", "visible.frag",
                              opacity ? "WITH_OPACITY" : NULL, err);
     g->wide = program_raster("visible.vert", "visible.frag",
@@ -51,9 +51,9 @@ static bool programs(struct picture_gl *g, bool opacity, struct error *err)
 
 void picture_gl_finish(struct picture_gl *g)
 {
-    gl.DeleteProgram(g->thin);
-    gl.DeleteProgram(g->wide);
-    gl.DeleteProgram(g->solid);
+    program_drop(g->thin);
+    program_drop(g->wide);
+    program_drop(g->solid);
     gl.DeleteBuffers(1, &g->quads);
     gl.DeleteVertexArrays(1, &g->vertices);
     memset(g, 0, sizeof *g);

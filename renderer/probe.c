@@ -57,7 +57,7 @@ void probe_destroy(struct probe *p)
         return;
     for (int kind = 0; kind < KINDS; kind++)
         if (p->program[kind])
-            gl.DeleteProgram(p->program[kind]);
+            program_drop(p->program[kind]);
     gl.DeleteBuffers(1, &p->cases);
     gl.DeleteBuffers(1, &p->results);
     gl.DeleteBuffers(1, &p->hits);

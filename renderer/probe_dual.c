@@ -59,7 +59,7 @@ void probe_dual_destroy(struct probe_dual *p)
         return;
     for (int kind = 0; kind < 2 * KINDS; kind++)
         if (p->program[kind])
-            gl.DeleteProgram(p->program[kind]);
+            program_drop(p->program[kind]);
     gl.DeleteBuffers(1, &p->cases);
     gl.DeleteBuffers(1, &p->results);
     gl.DeleteBuffers(1, &p->hits);

@@ -43,7 +43,7 @@ void probe_fast_destroy(struct probe_fast *p)
 {
     if (!p)
         return;
-    gl.DeleteProgram(p->program);
+    program_drop(p->program);
     gl.DeleteBuffers(1, &p->cases);
     gl.DeleteBuffers(1, &p->results);
     fast_tables_destroy(p->tables);

@@ -8,6 +8,7 @@
 #include "renderer/embed.h"
 #include "renderer/gl.h"
 #include "renderer/glsl.h"
+#include "renderer/program_pool.h"
 
 enum { INCLUDES_MAX = 32 };
 
@@ -150,18 +151,75 @@ static GLuint link_all(const GLuint *shaders, int count, const char *name,
     return 0;
 }
 
+static bool key_of(char key[PROGRAM_POOL_KEY], const char *first,
+                   const char *second, const char *defines, struct error *err)
+{
+    const int n = snprintf(key, PROGRAM_POOL_KEY, "%s|%s|%s", first, second,
+                           defines ? defines : "");
+    return n < PROGRAM_POOL_KEY ||
+           error_set(err, "gpu", first, "%s: too many definitions", first);
+}
+
+// second: "" for a compute program, else the fragment shader's source.
+static unsigned build(const char *first, const char *second,
+                      const char *defines, struct error *err)
+{
+    if (!*second) {
+        GLuint shader = compile(GL_COMPUTE_SHADER, first, defines, err);
+        return link_all(&shader, 1, first, err);
+    }
+    GLuint shaders[2] = {compile(GL_VERTEX_SHADER, first, defines, err), 0};
+    if (shaders[0])
+        shaders[1] = compile(GL_FRAGMENT_SHADER, second, defines, err);
+    return link_all(shaders, 2, first, err);
+}
+
+static unsigned take_or_build(const char *first, const char *second,
+                              const char *defines, struct error *err)
+{
+    char key[PROGRAM_POOL_KEY];
+    if (!key_of(key, first, second, defines, err))
+        return 0;
+    unsigned program = program_pool_take(key);
+    if (!program && (program = build(first, second, defines, err)))
+        program_pool_add(key, program, true);
+    return program;
+}
+
 unsigned program_compute(const char *name, const char *defines,
                          struct error *err)
 {
-    GLuint shader = compile(GL_COMPUTE_SHADER, name, defines, err);
-    return link_all(&shader, 1, name, err);
+    return take_or_build(name, "", defines, err);
 }
 
 unsigned program_raster(const char *vert, const char *frag, const char *defines,
                         struct error *err)
 {
-    GLuint shaders[2] = {compile(GL_VERTEX_SHADER, vert, defines, err), 0};
-    if (shaders[0])
-        shaders[1] = compile(GL_FRAGMENT_SHADER, frag, defines, err);
-    return link_all(shaders, 2, vert, err);
+    return take_or_build(vert, frag, defines, err);
+}
+
+void program_drop(unsigned program)
+{
+    program_pool_give(program);
+}
+
+bool program_prepare(struct span line, struct error *err)
+{
+    char key[PROGRAM_POOL_KEY], part[PROGRAM_POOL_KEY];
+    if (line.size >= sizeof key)
+        return error_set(err, "gpu", "program", "a program's name is too long");
+    memcpy(key, line.data, line.size);
+    key[line.size] = 0;
+    if (program_pool_has(key))
+        return true;
+    memcpy(part, key, sizeof part);
+    char *second = strchr(part, '|');
+    char *defines = second ? strchr(second + 1, '|') : NULL;
+    if (!defines)
+        return error_set(err, "gpu", key, "%s: no program's name", key);
+    *second++ = *defines++ = 0;
+    const unsigned program = build(part, second, defines, err);
+    if (program)
+        program_pool_add(key, program, false);
+    return program != 0;
 }

@@ -20,10 +20,16 @@ struct span program_source(const char *name);
 bool program_expand(struct buf *out, const char *name, const char *defines,
                     struct error *err);
 
-// Compiles and links.  0 and *err (with the compiler's first message) on fault.
+// Compiles and links, unless the context has an idle one (program_pool.h).  0
+// and *err (with the compiler's first message) on fault.  Not deleted but
+// dropped.
 unsigned program_compute(const char *name, const char *defines,
                          struct error *err);
 unsigned program_raster(const char *vert, const char *frag, const char *defines,
                         struct error *err);
+void program_drop(unsigned program); // 0 is allowed
+
+// Compiles ahead what a line of program_pool_list names, unless it is there.
+bool program_prepare(struct span line, struct error *err);
 
 #endif

@@ -37,9 +37,9 @@ static bool variants(struct raster *r, bool opacity, struct error *err)
                                &r->settle[1]};
     if (made(r) && opacity == r->opacity_variant)
         return true;
-    gl.DeleteProgram(r->keep);
+    program_drop(r->keep);
     for (int i = 0; i < 4; i++) {
-        gl.DeleteProgram(*walk[i]);
+        program_drop(*walk[i]);
         *walk[i] = 0;
     }
     r->opacity_variant = opacity;
@@ -71,7 +71,7 @@ void raster_finish(struct raster *r)
     const unsigned programs[] = {r->head,    r->keep,      r->walk[0],
                                  r->walk[1], r->settle[0], r->settle[1]};
     for (int i = 0; i < 6; i++)
-        gl.DeleteProgram(programs[i]);
+        program_drop(programs[i]);
     raster_drop(r);
     memset(r, 0, sizeof *r);
 }

@@ -9,6 +9,7 @@
 #include "protocol/edit.h"
 #include "renderer/egl.h"
 #include "renderer/gl.h"
+#include "renderer/program.h"
 #include "renderer/renderer_private.h"
 
 struct stage {
@@ -113,7 +114,7 @@ void renderer_destroy(struct renderer *r)
         nodes_finish(&r->nodes);
         strands_finish(&r->strands);
         timer_finish(&r->timer);
-        gl.DeleteProgram(r->places);
+        program_drop(r->places);
         egl_destroy(r->egl);
     }
     groom_destroy(r->groom);

@@ -70,7 +70,9 @@ struct renderer_stats {
     const char *path;        // that drew it: a word of render.path
     uint64_t memory_strands, memory_targets, memory_cache; // bytes
     uint64_t memory_shadow, memory_draft;
-    uint64_t memory_tables; // of render.path=table
+    uint64_t memory_tables;     // of render.path=table
+    uint64_t programs_compiled; // since the start
+    size_t programs;            // kept
     struct sky_fit fit;
     struct sky_cleaned cleaned;
 };
@@ -160,6 +162,14 @@ void renderer_layers_off(struct renderer *r);
 // As renderer_read_linear.  A part that this scene leaves out is black.
 bool renderer_read_layer(struct renderer *r, int layer, struct buf *out,
                          struct error *err);
+
+// The programs that are compiled, a line each, and one of another renderer's to
+// be compiled ahead of its first use.
+void renderer_programs(const struct renderer *r, struct buf *out);
+bool renderer_prepare(struct renderer *r, struct span line, struct error *err);
+// What warm_begin takes of what it renders (renderer/warm.h); after a step.
+struct warm_scene;
+void renderer_warm_scene(const struct renderer *r, struct warm_scene *out);
 
 void renderer_stats(const struct renderer *r, struct renderer_stats *out);
 

@@ -4,6 +4,11 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "renderer/egl.h"
+#include "renderer/program.h"
+#include "renderer/program_pool.h"
+#include "renderer/warm.h"
+
 static void leave_out(struct renderer_stats *s, const char *what, double bound,
                       const char *why)
 {
@@ -112,8 +117,29 @@ void renderer_stats(const struct renderer *r, struct renderer_stats *out)
             r->crossings.stats.lists_bytes + r->crossings.stats.map_bytes +
             r->nodes.first.bytes + r->nodes.rest.bytes;
     }
+    egl_use(r->egl);
+    out->programs_compiled = program_pool_compiled();
+    out->programs = program_pool_count();
     out->fit = r->fit;
     if (r->map)
         out->cleaned = r->map->cleaned;
     list_left_out(r, out);
+}
+
+void renderer_warm_scene(const struct renderer *r, struct warm_scene *out)
+{
+    *out = (struct warm_scene){r->params, r->fit, r->map->width, r->map->height,
+                               warm_sample(r->groom)};
+}
+
+void renderer_programs(const struct renderer *r, struct buf *out)
+{
+    egl_use(r->egl);
+    program_pool_list(out);
+}
+
+bool renderer_prepare(struct renderer *r, struct span line, struct error *err)
+{
+    egl_use(r->egl);
+    return program_prepare(line, err);
 }

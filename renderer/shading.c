@@ -35,7 +35,7 @@ void shading_init(struct shading *s)
 void shading_finish(struct shading *s)
 {
     for (int i = 0; i < SHADING_VARIANTS; i++)
-        gl.DeleteProgram(s->variant[i].program);
+        program_drop(s->variant[i].program);
     gl.DeleteBuffers(1, &s->params);
     xu_tables_destroy(s->tables);
     best_lobes_destroy(s->lobes);
@@ -261,7 +261,7 @@ static unsigned program_of(struct shading *s, const char *defines,
     unsigned program = program_compute("shade_cells.comp", defines, err);
     if (!program)
         return 0;
-    gl.DeleteProgram(oldest->program);
+    program_drop(oldest->program);
     snprintf(oldest->defines, sizeof oldest->defines, "%s", defines);
     oldest->program = program;
     oldest->age = ++s->clock;

@@ -30,7 +30,9 @@ void engine_edit(struct engine *e, const struct params *p,
     e->wish.note = *note;
     e->wish.revision = revision;
     e->wish.received_us = received_us;
-    judge_halt(e->judge);      // all cores to the edit
+    judge_halt(e->judge); // all cores to the edit
+    if (e->warmer)
+        warmer_halt(e->warmer);
     if (e->installed == TAKEN) // not: one that was made before it was known
         e->installed = SETTLED;
     pthread_cond_signal(&e->work);
@@ -85,6 +87,19 @@ static void loaded(void *ctx, struct loader_item *item)
     while (e->loaded && !e->stop)
         pthread_cond_wait(&e->change, &e->lock);
     pthread_mutex_unlock(&e->lock);
+}
+
+// On the warmer's thread.
+static void warmed(void *ctx, struct buf *names, int left, int made)
+{
+    struct engine *e = ctx;
+    pthread_mutex_lock(&e->lock);
+    buf_append(&e->names, names->data, names->size);
+    e->stats.warm_states = made;
+    e->stats.warm_states_left = left;
+    pthread_cond_signal(&e->work);
+    pthread_mutex_unlock(&e->lock);
+    buf_finish(names);
 }
 
 // On the judge's thread.
@@ -173,7 +188,11 @@ struct engine *engine_create(struct engine_setup *setup, struct error *err)
                                               .width = setup->sky.width,
                                               .height = setup->sky.height};
     e->judge = judge_create(judged, e, err);
-    bool ok = e->judge && start(e, err);
+    bool ok = e->judge != NULL;
+    const char *wanted = getenv("GLINT_WARM");
+    if (ok && !(wanted && strcmp(wanted, "0") == 0))
+        ok = (e->warmer = warmer_create(warmed, e, err)) != NULL;
+    ok = ok && start(e, err);
     if (ok)
         e->loader = loader_create(setup->roots, loaded, e, err);
     assets_hair_finish(&setup->hair);
@@ -189,7 +208,8 @@ struct engine *engine_create(struct engine_setup *setup, struct error *err)
 static bool helpers_ended(const struct engine *e)
 {
     return (!e->loader || loader_ended(e->loader)) &&
-           (!e->judge || judge_ended(e->judge));
+           (!e->judge || judge_ended(e->judge)) &&
+           (!e->warmer || warmer_ended(e->warmer));
 }
 
 bool engine_stop(struct engine *e, int wait_ms)
@@ -201,6 +221,8 @@ bool engine_stop(struct engine *e, int wait_ms)
     e->stop = true;
     if (e->judge)
         judge_stop(e->judge);
+    if (e->warmer)
+        warmer_stop(e->warmer);
     pthread_cond_broadcast(&e->work);
     pthread_cond_broadcast(&e->change);
     while (e->started && !e->ended && engine_render_wait(e, &e->change, until))
@@ -222,6 +244,8 @@ void engine_destroy(struct engine *e)
     if (!e)
         return;
     judge_destroy(e->judge);
+    warmer_destroy(e->warmer);
+    buf_finish(&e->names);
     events_finish(&e->events);
     while (e->captures) {
         struct capture_item *next = e->captures->next;

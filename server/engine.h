@@ -99,7 +99,11 @@ struct engine_stats {
     uint64_t steps, cuts, drafts, frames, captures, coalesced, failures;
     int captures_waiting;
     struct judge_verdict verdict; // the newest; revision 0: none
-    char progress[96];            // "" or what takes long just now
+    // Programs that the next edit may need (warmer.h): states rendered ahead,
+    // and still to be; programs whose turn in the renderer is still to come.
+    int warm_states, warm_states_left, warm_programs_left;
+    bool warm;         // all that is one edit away is ready
+    char progress[96]; // "" or what takes long just now
     double progress_seconds;
 };
 void engine_stats(struct engine *e, struct engine_stats *out);

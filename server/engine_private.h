@@ -9,6 +9,7 @@
 
 #include "server/engine.h"
 #include "server/events.h"
+#include "server/warmer.h"
 
 struct capture_item {
     struct capture_item *next;
@@ -24,6 +25,7 @@ struct engine {
     bool started; // the render thread runs
     struct loader *loader;
     struct judge *judge;
+    struct warmer *warmer; // NULL: told not to
     pthread_mutex_t lock;
     pthread_cond_t work;   // for the render thread
     pthread_cond_t change; // start, end, for the loop; installed, the loader
@@ -45,9 +47,12 @@ struct engine {
     struct events events;
     struct engine_stats stats;
     int64_t progress_since;
+    struct buf names; // of programs that the warmer needed, a line each
+    size_t names_at;  // before it the renderer has them
     // Render thread only:
     uint64_t judged; // the newest revision that the judge was asked about
     struct params judged_params; // its state
+    uint64_t warmed; // the newest revision that the warmer was asked about
     struct studio studio;
 };
 

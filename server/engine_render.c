@@ -3,6 +3,7 @@
 #include "server/engine_private.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -221,11 +222,67 @@ static void do_judge(struct engine *e)
     e->judged_params = *p;
 }
 
+// Once a picture of this state is shown and no hand moves; until then *until is
+// no later than that.
+static void ask_warmer(struct engine *e, int64_t *until)
+{
+    const struct studio *s = &e->studio;
+    const int64_t due = e->wish.received_us + STUDIO_HASTE_US;
+    if (!e->warmer || !s->live || s->samples == 0 ||
+        e->warmed == s->live_revision || s->live_revision != e->wish.revision)
+        return;
+    if (clock_us() < due) {
+        *until = due < *until ? due : *until;
+        return;
+    }
+    e->warmed = s->live_revision;
+    e->stats.warm_states_left = INT_MAX; // not known yet
+    struct warm_scene scene;
+    renderer_warm_scene(s->renderer, &scene);
+    warmer_begin(e->warmer, &scene);
+}
+
+static bool has_names(const struct engine *e)
+{
+    return e->names_at < e->names.size;
+}
+
+// One program that the warmer has needed: from the driver's cache that takes a
+// few milliseconds.
+static void prepare_program(struct engine *e)
+{
+    char name[512];
+    const unsigned char *at = e->names.data + e->names_at;
+    const unsigned char *end = memchr(at, '\n', e->names.size - e->names_at);
+    const size_t size = (size_t)(end - at);
+    e->names_at += size + 1;
+    if (size > sizeof name)
+        return;
+    memcpy(name, at, size);
+    const struct span line = {(const unsigned char *)name, size};
+    pthread_mutex_unlock(&e->lock);
+    renderer_prepare(e->studio.renderer, line, NULL); // else an edit will say
+    pthread_mutex_lock(&e->lock);
+    note_stats(e);
+}
+
+static void note_warmth(struct engine *e)
+{
+    int left = 0;
+    for (size_t i = e->names_at; i < e->names.size; i++)
+        left += e->names.data[i] == '\n';
+    e->stats.warm_programs_left = left;
+    e->stats.warm = e->warmed > 0 && e->warmed == e->wish.revision &&
+                    e->stats.warm_states_left == 0 && left == 0;
+}
+
 static void render_turns(struct engine *e)
 {
     while (!e->stop) {
         int64_t until;
         bool wants = studio_wants(&e->studio, &e->wish, clock_us(), &until);
+        ask_warmer(e, &until);
+        note_warmth(e);
         if (e->installed != SETTLED) {
             engine_render_wait(e, &e->work, INT64_MAX);
         } else if (e->loaded) {
@@ -239,6 +296,8 @@ static void render_turns(struct engine *e)
         } else if (studio_rests(&e->studio) &&
                    e->judged != e->studio.live_revision) {
             do_judge(e);
+        } else if (has_names(e)) {
+            prepare_program(e);
         } else {
             e->viewers_next = false;
             engine_render_wait(e, &e->work, until);
@@ -268,6 +327,7 @@ void *engine_render_main(void *arg)
 {
     struct engine *e = arg;
     struct error err = {0};
+    pthread_setname_np(pthread_self(), "glint-render");
     bool ok = studio_open(&e->studio, e->setup->cache_dir, &e->setup->hair,
                           &e->setup->sky, &err);
     e->studio.newer = newer;

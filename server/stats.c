@@ -1,6 +1,7 @@
 // stats.c - gathers what hub, engine and renderer know about themselves.
 #include "server/stats.h"
 
+#include <limits.h>
 #include <sys/resource.h>
 
 #include "server/clock.h"
@@ -40,6 +41,23 @@ static void put_memory(struct json *j, const struct engine_stats *e,
     json_put_int(j, "truth", (int64_t)e->verdict.memory);
     json_put_int(j, "frames", held);
     json_put_int(j, "process_peak", (int64_t)usage.ru_maxrss * 1024);
+    json_close_object(j);
+}
+
+static void put_programs(struct json *j, const struct engine_stats *e)
+{
+    json_key(j, "programs");
+    json_open_object(j);
+    json_put_int(j, "kept", (int64_t)e->renderer.programs);
+    json_put_int(j, "compiled", (int64_t)e->renderer.programs_compiled);
+    json_put_bool(j, "warm", e->warm);
+    json_put_int(j, "states", e->warm_states);
+    json_key(j, "states_left");
+    if (e->warm_states_left == INT_MAX)
+        json_null(j);
+    else
+        json_int(j, e->warm_states_left);
+    json_put_int(j, "left", e->warm_programs_left);
     json_close_object(j);
 }
 
@@ -142,6 +160,7 @@ void stats_put(struct json *j, struct hub *h)
         json_null(j);
     }
     put_memory(j, &e, h);
+    put_programs(j, &e);
     put_picture(j, &e);
     frame_put_error(j, &e.verdict);
     json_key(j, "governor");

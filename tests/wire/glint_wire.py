@@ -19,6 +19,8 @@ SANITIZED = bool(os.environ.get("GLINT_SAN"))
 # Every wait of the tests ends after this; a sanitized daemon on a busy machine
 # needs about ten times as long as a plain one.
 PATIENCE = 60 if SANITIZED else 20
+# Dozens of daemons on few cores: none compiles ahead but test_warm.py's.
+os.environ.setdefault("GLINT_WARM", "0")
 
 
 class Refused(Exception):
