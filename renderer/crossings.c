@@ -19,7 +19,7 @@
 // From where a lookup begins, in voxels along the way: nearer, the voxels hold
 // the strand itself and what is beside it.
 static const float start_voxels = 0.7f;
-static const int usual_ways = 210;
+static const int usual_ways = 120;
 // The samples of depth maps are as sparse as this: voxels of the field in one.
 enum { SPARSE = 3, SPARSE_MIN = 16 };
 
@@ -304,7 +304,7 @@ static int count_ways(struct crossings *c, const struct crossings_light *l,
 {
     int total = 0;
     for (int j = 0; j < count; j++) {
-        int k = c->options.map ? 1 : crossings_ways_count(l[j].lambda, quality);
+        int k = c->options.map ? 1 : crossings_ways_count(&l[j], quality);
         k = c->options.most > 0 && k > c->options.most ? c->options.most : k;
         k >>= shift;
         k = k < 1 ? 1 : k;

@@ -50,11 +50,14 @@ enum {
 struct crossings_light {
     float direction[3]; // world, unit, towards the light
     float lambda;       // width; 0 is a sun
+    int dim; // 0, 1, 2: how little of all light it is (lights.h); fewer
+             // directions are enough then
 };
 
 enum crossings_quality {
-    CROSSINGS_COARSE, // 1, 1, 4, 8 directions for lambda up to .1, .3, .7, more
-    CROSSINGS_FINE,   // 1, 4, 8, 16
+    CROSSINGS_COARSE, // 1, 1, 3, 6 directions for lambda up to .16, .4, .75,
+                      // more
+    CROSSINGS_FINE,   // 1, 3, 6, 12
 };
 
 struct crossings_options {
@@ -62,8 +65,8 @@ struct crossings_options {
                      // CROSSINGS_RESOLUTION_* is brought into it
     uint64_t budget; // bytes for grid and directions, and as many again for
                      // lists; 0: no limit
-    int ways;        // directions that the budget should hold; 0: 210, which is
-                     // 40 lights at CROSSINGS_FINE
+    int ways;        // directions that the budget should hold; 0: 120, which is
+                     // 40 lights of lambda up to .4 at CROSSINGS_FINE
     int most;        // directions a light at most; 0: as many as the quality
                      // says
     const struct strands *map; // depth maps of this hair, half as many cells

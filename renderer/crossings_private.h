@@ -63,7 +63,8 @@ uint64_t crossings_voxels(const struct crossings *c);
 // --- crossings_ways.c: the directions that stand for a lobe
 // Two unit vectors across z.
 void crossings_ways_frame(const float z[3], float x[3], float y[3]);
-int crossings_ways_count(float lambda, enum crossings_quality quality);
+int crossings_ways_count(const struct crossings_light *l,
+                         enum crossings_quality quality);
 void crossings_ways_direction(const struct crossings_light *l, int i, int count,
                               float out[3]);
 

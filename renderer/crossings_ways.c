@@ -3,14 +3,20 @@
 
 #include <math.h>
 
-int crossings_ways_count(float lambda, enum crossings_quality quality)
+// Rings of directions, and directions a ring.
+enum { LEVELS = 4 };
+static const int rings[LEVELS] = {1, 1, 2, 4}, in_ring[LEVELS] = {1, 3, 3, 3};
+
+int crossings_ways_count(const struct crossings_light *l,
+                         enum crossings_quality quality)
 {
-    static const int count[2][4] = {{1, 1, 4, 8}, {1, 4, 8, 16}};
-    const int width = lambda <= 0.1f   ? 0
-                      : lambda <= 0.3f ? 1
-                      : lambda <= 0.7f ? 2
-                                       : 3;
-    return count[quality][width];
+    int level = l->lambda <= 0.16f   ? 0
+                : l->lambda <= 0.4f  ? 1
+                : l->lambda <= 0.75f ? 2
+                                     : 3;
+    level -= l->dim + (quality == CROSSINGS_COARSE);
+    level = level < 0 ? 0 : level;
+    return rings[level] * in_ring[level];
 }
 
 // Two unit vectors across z.
@@ -42,9 +48,10 @@ void crossings_ways_frame(const float z[3], float x[3], float y[3])
     }
 }
 
-// Equal shares of the density exp(2 (cos - 1) / lambda^2) (Xu 2011, eq 2), its
-// distribution function inverted at the middle of each; the turn about the
-// lobe's axis by the golden section.
+// Rings about the lobe's axis that have equal shares of its density
+// exp(2 (cos - 1) / lambda^2) (Xu 2011, eq 2): the distribution function
+// inverted at the middle of each.  Every second ring is turned by half a step.
+// A count that is no product of a table's is one ring.
 void crossings_ways_direction(const struct crossings_light *l, int i, int count,
                               float out[3])
 {
@@ -52,10 +59,10 @@ void crossings_ways_direction(const struct crossings_light *l, int i, int count,
         out[c] = l->direction[c];
     if (count <= 1)
         return;
-    const double golden = 0.6180339887498949;
+    const int each = count % 3 == 0 ? 3 : count, ring = i / each;
     const double l2 = (double)l->lambda * (double)l->lambda;
-    const double u = (i + 0.5) / count, turn = i * golden;
-    const double phi = 2 * M_PI * (turn - floor(turn));
+    const double u = (ring + 0.5) * each / count;
+    const double phi = 2 * M_PI * (i % each + 0.5 * (ring % 2)) / each;
     const double lack = -l2 / 2 * log1p((1 - u) * expm1(-4 / l2)); // 1 - cos
     const double sine = sqrt(fmax(0, lack * (2 - lack)));
     double x[3], y[3], n = 0, d[3];

@@ -78,6 +78,15 @@ static double power_of(const struct sky_light *s)
            sky_lobe_omega(s->lambda);
 }
 
+static int dimness(const struct sky_fit *fit, int j)
+{
+    double total = 0;
+    for (int i = 0; i < fit->count; i++)
+        total += power_of(&fit->light[i]);
+    const double share = power_of(&fit->light[j]) * fit->count;
+    return share < total / 16 ? 2 : share < total / 4;
+}
+
 // Lights come by falling energy: the tail is what may be dropped.
 static int count_needed(const struct sky_fit *fit, double bound, int most,
                         double *share)
@@ -114,13 +123,15 @@ bool lights_put(struct lights *l, const struct sky_fit *fit,
                 (float)(m[3 * r] * d[0] + m[3 * r + 1] * d[1] +
                         m[3 * r + 2] * d[2]);
         place[j].lambda = (float)fit->light[j].lambda;
+        place[j].dim = dimness(fit, j);
     }
     for (int i = 0; i < suns; i++) {
         const double *e = &sun[i].elevation, *a = &sun[i].azimuth;
         place[sky + i] =
             (struct lights_place){{(float)(cos(*e) * sin(*a)),
                                    (float)(-cos(*e) * cos(*a)), (float)sin(*e)},
-                                  (float)LIGHTS_SUN_LAMBDA};
+                                  (float)LIGHTS_SUN_LAMBDA,
+                                  0};
     }
     bool changed = l->used != sky + suns || l->suns != suns ||
                    memcmp(place, l->place, sizeof place) != 0;

@@ -19,6 +19,9 @@ enum {
 
 struct lights_place {
     float direction[3], lambda; // world, unit; Xu width
+    // 1, 2: holds less than a quarter, a sixteenth of what the fit's lights
+    // hold on average, so that its shadows may be coarser; else 0
+    int dim;
 };
 
 struct lights {

@@ -109,6 +109,7 @@ int renderer_crossings_lights(const struct renderer *r,
         const struct lights_place *from = &r->lights.place[j];
         memcpy(out[j].direction, from->direction, sizeof from->direction);
         out[j].lambda = from->lambda;
+        out[j].dim = from->dim;
     }
     return r->lights.used;
 }

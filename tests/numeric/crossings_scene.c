@@ -125,5 +125,5 @@ struct crossings_light scene_light(uint64_t *state, float lambda)
     double z = 2 * truth_uniform(state) - 1;
     double phi = 2 * M_PI * truth_uniform(state), r = sqrt(1 - z * z);
     return (struct crossings_light){
-        {(float)(r * cos(phi)), (float)(r * sin(phi)), (float)z}, lambda};
+        {(float)(r * cos(phi)), (float)(r * sin(phi)), (float)z}, lambda, 0};
 }

@@ -86,7 +86,7 @@ static inline void truth_lights(struct truth *t)
         float phi = 2.39996323f * (float)a + 0.3f, r = sqrtf(1 - z * z);
         for (int w = 0; w < TRUTH_WIDTHS; w++)
             t->light[a * TRUTH_WIDTHS + w] = (struct crossings_light){
-                {r * cosf(phi), r * sinf(phi), z}, truth_width[w]};
+                {r * cosf(phi), r * sinf(phi), z}, truth_width[w], 0};
     }
 }
 

@@ -112,7 +112,7 @@ static void test_kernel(void)
     static struct crossings_result r[PLACES * WIDTHS];
     for (int j = 0; j < WIDTHS; j++)
         light[j] = (struct crossings_light){
-            {0, 0, 1}, (float[WIDTHS]){0.05f, 0.2f, 0.4f}[j]};
+            {0, 0, 1}, (float[WIDTHS]){0.05f, 0.2f, 0.4f}[j], 0};
     for (int i = 0; i < PLACES; i++) {
         place[i].p[0] = 0.1f + 0.02f * (float)i;
         place[i].p[1] = 0.5f;
@@ -194,7 +194,7 @@ static void test_state(void)
     uint64_t state = 21;
     for (int i = 0; i < OTHERS; i++)
         light[i] = scene_light(&state, truth_width[i % 4]);
-    light[0] = (struct crossings_light){{1, 0, 0}, 0.05f};
+    light[0] = (struct crossings_light){{1, 0, 0}, 0.05f, 0};
     g->head.present = true;
     for (int c = 0; c < 3; c++) {
         g->head.centre[c] = 0.5f;
