@@ -6,6 +6,8 @@
 
 #include <EGL/egl.h>
 
+#include "renderer/gl_count.h"
+
 struct gl gl;
 
 // ISO C has no cast between object and function pointers; POSIX guarantees
@@ -20,15 +22,17 @@ static bool fetch(void *slot, const char *name)
 bool gl_load(struct error *err)
 {
     static atomic_bool loaded; // contexts come from one driver
+    struct gl driver;
     if (atomic_load(&loaded))
         return true;
 #define F(UPPER, Name) \
-    if (!fetch(&gl.Name, "gl" #Name)) \
+    if (!fetch(&driver.Name, "gl" #Name)) \
         return error_set(err, "gpu", "gl" #Name, \
                          "the OpenGL driver has no gl" #Name \
                          " (OpenGL 4.5 core is needed)");
     GL_FUNCTIONS(F)
 #undef F
+    gl_count_install(&gl, &driver);
     atomic_store(&loaded, true);
     return true;
 }

@@ -112,7 +112,8 @@ struct gl {
 };
 extern struct gl gl;
 
-// Fetches every function; false names the first one missing.
+// Fetches every function; false names the first one missing.  Those that ask
+// for work or memory count (gl_count.h).
 bool gl_load(struct error *err);
 
 // The first pending GL error as an error that names `doing`; true when none.

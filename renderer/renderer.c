@@ -330,6 +330,7 @@ bool renderer_step(struct renderer *r, bool *done, struct error *err)
 {
     *done = false;
     r->watch.cut = false;
+    r->work_from = gl_count_now();
     egl_use(r->egl);
     if (!r->groom)
         return error_set(err, "state", "hair", "no groom is loaded");

@@ -14,6 +14,7 @@
 #include "protocol/bytes.h"
 #include "protocol/error.h"
 #include "protocol/params.h"
+#include "renderer/gl_count.h"
 #include "renderer/groom.h"
 #include "renderer/sky.h"
 
@@ -73,6 +74,7 @@ struct renderer_stats {
     uint64_t memory_tables;     // of render.path=table
     uint64_t programs_compiled; // since the start
     size_t programs;            // kept
+    struct gl_counts work;      // since the newest step or draft began
     struct sky_fit fit;
     struct sky_cleaned cleaned;
 };

@@ -182,6 +182,7 @@ bool renderer_draft(struct renderer *r, struct renderer_draft *how,
                     struct error *err)
 {
     double ms[RENDERER_STAGES];
+    r->work_from = gl_count_now();
     if (!renderer_forecast(r, ms))
         return error_set(err, "state", "quality.draft_ms",
                          "no draft is to be had of this");

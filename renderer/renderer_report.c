@@ -106,6 +106,7 @@ void renderer_stats(const struct renderer *r, struct renderer_stats *out)
     out->memory_cache = r->picture.cache_bytes;
     out->memory_draft = draft_bytes(&r->draft);
     out->memory_tables = fast_tables_bytes(r->shading.fast);
+    out->work = gl_count_since(&r->work_from);
     out->refined = r->refined;
     if (r->shading.shadowed) {
         out->shadow_resolution = r->crossings.stats.resolution;

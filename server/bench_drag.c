@@ -139,7 +139,7 @@ static bool one_drag(struct drag *d, struct bench_frame *f,
             return false;
         if (i == 0)
             *first = d->ms[BENCH_WHOLE];
-        bench_time_note(log, d->ms);
+        bench_time_note(log, f, d->ms);
     }
     return judge(d, f, error, err);
 }

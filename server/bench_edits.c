@@ -62,6 +62,7 @@ static bool cold(struct run *run, const struct params *p,
     const struct bench_edits_ask *ask = run->ask;
     const struct bench_cold_ask how = {ask->hair, ask->env, p};
     struct bench_log log = {.n = 0};
+    const struct bench_frame none = {.encode = false};
     double ms[BENCH_COLUMNS];
     for (int i = 0; i < BENCH_COLUMNS; i++)
         ms[i] = i < RENDERER_STAGES ? -1 : 0;
@@ -69,7 +70,7 @@ static bool cold(struct run *run, const struct params *p,
         if (!bench_cold_start(&how, &ms[BENCH_WHOLE], err))
             return false;
         if (i > 0)
-            bench_time_note(&log, ms);
+            bench_time_note(&log, &none, ms);
     }
     bench_time_take(&log, out);
     return true;

@@ -127,7 +127,9 @@ static void line(const struct bench_edits_row *row, struct buf *out)
                    row->how.coarse ? ", coarse shadows" : "", row->first);
     else if (row->drag)
         buf_printf(out, ", full frames; first %.3g ms", row->first);
-    buf_printf(out, " | %.4g | %.3g |", t->processor, t->encode);
+    buf_printf(out, " | %.4g | %.3g | %llu, %.1f |", t->processor, t->encode,
+               (unsigned long long)(t->work.dispatches + t->work.draws),
+               (double)t->work.upload_bytes / 1e3);
     stages(t, out);
     buf_text(out, "\n");
 }
@@ -153,8 +155,9 @@ static void whole(const struct bench_edits_scene *s, struct buf *out)
         out,
         "| edit | min | median ms | p95 | target | n | paper-forward ms | "
         "times | error % | direct % | path - direct % | integral / direct % | "
-        "path | CPU ms | encode | stages, ms |\n"
-        "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+        "path | CPU ms | encode | dispatches, kB up | stages, ms |\n"
+        "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+        "\n");
     for (int i = 0; i < s->rows; i++)
         if (isnan(s->row[i].paper_fps))
             line(&s->row[i], out);

@@ -97,15 +97,18 @@ bool bench_time_frame(struct renderer *r, struct bench_frame *f, double *ms,
     if (!ok)
         return false;
     renderer_stats(r, &s);
+    f->work = s.work;
     ms[RENDERER_DISPLAY] = s.stage_ms[RENDERER_DISPLAY];
     ms[RENDERER_READ] = s.stage_ms[RENDERER_READ];
     return true;
 }
 
-void bench_time_note(struct bench_log *log, const double *ms)
+void bench_time_note(struct bench_log *log, const struct bench_frame *f,
+                     const double *ms)
 {
     if (log->n == BENCH_RUNS_MAX)
         return;
+    log->work = f->work;
     for (int i = 0; i < BENCH_COLUMNS; i++)
         log->ms[i][log->n] = ms[i];
     log->n++;
@@ -114,7 +117,7 @@ void bench_time_note(struct bench_log *log, const double *ms)
 void bench_time_take(const struct bench_log *log, struct bench_times *out)
 {
     const size_t n = log->n;
-    *out = (struct bench_times){.runs = (int)n};
+    *out = (struct bench_times){.runs = (int)n, .work = log->work};
     if (n == 0)
         return;
     for (int i = 0; i < RENDERER_STAGES; i++)
@@ -159,7 +162,7 @@ bool bench_time_series(struct renderer *r, const struct params *p,
         if (series->each)
             series->each[k] = k >= warm_up ? now[BENCH_WHOLE] : NAN;
         if (k >= warm_up)
-            bench_time_note(&log, now);
+            bench_time_note(&log, &frame, now);
     }
     buf_finish(&frame.pixels);
     bench_time_take(&log, out);

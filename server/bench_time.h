@@ -31,6 +31,7 @@ struct bench_times {
     double processor;              // ms of all threads, median
     double encode;                 // ms of JPEG afterwards, median; 0: none
     double stage[RENDERER_STAGES]; // ms, medians; < 0: did not run
+    struct gl_counts work;         // of the last of them: exact numbers
 };
 
 struct bench_effort {
@@ -48,6 +49,7 @@ enum { // columns of a log, after the stages'
 struct bench_log { // ms
     double ms[BENCH_COLUMNS][BENCH_RUNS_MAX];
     size_t n;
+    struct gl_counts work;
 };
 // One edit as it is done: *p until it is done (a draft, where `how` is one) and
 // read as displayed into *pixels, ms[BENCH_COLUMNS]; encoded besides where that
@@ -56,11 +58,13 @@ struct bench_frame {
     const struct params *params;
     struct renderer_draft *how; // NULL: the full frame
     bool encode;
-    struct buf pixels; // the caller's
+    struct buf pixels;     // the caller's
+    struct gl_counts work; // out
 };
 bool bench_time_frame(struct renderer *r, struct bench_frame *f, double *ms,
                       struct error *err);
-void bench_time_note(struct bench_log *log, const double *ms);
+void bench_time_note(struct bench_log *log, const struct bench_frame *f,
+                     const double *ms);
 void bench_time_take(const struct bench_log *log, struct bench_times *out);
 
 // Edit number k >= 0 of a series, on a fresh copy of the base.

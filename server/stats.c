@@ -96,6 +96,19 @@ static void put_vector(struct json *j, const char *key, const float v[3])
     json_close_array(j);
 }
 
+static void put_work(struct json *j, const struct gl_counts *w)
+{
+    json_key(j, "work");
+    json_open_object(j);
+    json_put_int(j, "dispatches", (int64_t)w->dispatches);
+    json_put_int(j, "draws", (int64_t)w->draws);
+    json_put_int(j, "upload_bytes", (int64_t)w->upload_bytes);
+    json_put_int(j, "read_bytes", (int64_t)w->read_bytes);
+    json_put_int(j, "allocations", (int64_t)w->allocations);
+    json_put_int(j, "programs", (int64_t)w->programs);
+    json_close_object(j);
+}
+
 static void put_picture(struct json *j, const struct engine_stats *e)
 {
     const struct renderer_stats *r = &e->renderer;
@@ -113,6 +126,7 @@ static void put_picture(struct json *j, const struct engine_stats *e)
     put_vector(j, "target", r->target);
     json_key(j, "stages");
     frame_put_stages(j, r->stage_ms);
+    put_work(j, &r->work);
     put_left_out(j, r);
     put_fit(j, r);
 }

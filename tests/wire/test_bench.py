@@ -75,6 +75,44 @@ def check_lines(lines):
     return settings
 
 
+EDIT_KEYS = ("scene edit min_ms median_ms p95_ms edits target_ms error "
+             "paper_forward_ms ratio stages work path lights points cpu_ms").split()
+
+
+def check_edits(folder):
+    """--edits: every kind, with its keys, in files that name them."""
+    md, svg = os.path.join(folder, "e.md"), os.path.join(folder, "e.svg")
+    code, out, err = run(folder, "--edits", "--quick", "--hair", "builtin:ponytail",
+                         "--size", "96x64", "--runs", "2", "--places", "20",
+                         "--paths", "2", "--set", "sky.lights=4", "--set",
+                         "shadow.resolution=32", "--report", md, "--plot", svg)
+    report("bench --edits finishes", code == 0, err)
+    if code != 0:
+        return
+    rows = {x["edit"]: x for x in map(json.loads, out.splitlines())}
+    missing = [(e, k) for e, x in rows.items() for k in EDIT_KEYS if k not in x]
+    report("every edit has every key", len(rows) > 15 and not missing, missing)
+    fibre = rows["fibre parameter"]
+    report("a fibre edit shades, is compared with paper-forward and judged",
+           fibre["stages"]["shade"] > 0 and fibre["ratio"] > 0 and fibre["error"] > 0
+           and fibre["path"] == "table" and fibre["work"]["programs"] == 0 and
+           abs(fibre["ratio"] * fibre["median_ms"] / fibre["paper_forward_ms"] - 1) < 1e-9,
+           fibre)
+    report("a display edit shades nothing",
+           set(rows["display exposure"]["stages"]) <= {"display", "read"}, rows)
+    report("an eccentric fibre is lit directly, and the row says so",
+           rows["fibre parameter, a = 0.9"]["path"] == "direct", rows)
+    report("a daemon's first frame came", rows["cold start to first frame"]["median_ms"] > 0)
+    table_2 = [x for x in rows.values() if "paper_fps" in x]
+    report("the paper's scene stands beside its frames per second",
+           len(table_2) == 2 and all(x["paper_fps"] == 8.9 for x in table_2), table_2)
+    text, plot = open(md).read(), open(svg).read()
+    report("page and plot name every edit", all(
+        e in text and (e in plot or e.startswith("Table 2")) for e in rows
+        if not e.startswith("Table 2")) and "<!-- short -->" in text, text)
+    xml.dom.minidom.parseString(plot)
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         md, svg = os.path.join(folder, "b.md"), os.path.join(folder, "b.svg")
@@ -117,6 +155,8 @@ def main():
                [x["rel_rmse"] for x in again if x["kind"] == "setting"] ==
                [error["default"], error["sky.lights=5"]],
                (scene, again[:1], err))
+    with tempfile.TemporaryDirectory() as folder:
+        check_edits(folder)
     code, out, err = run("/tmp", "--scenes", "nobody")
     report("a scene that is not there is one error",
            code == 1 and len(err.splitlines()) == 1 and "nobody" in err, (code, err))
