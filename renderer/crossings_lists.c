@@ -211,7 +211,22 @@ void crossings_lists_bind(struct crossings *c, const struct strands *s)
                                c->rays.texture[i]);
 }
 
-static void send(struct crossings *c, const int size[3], const uint32_t *starts,
+// Some megabytes at a time: they are copied while somebody may wait.
+static bool fill(unsigned buffer, const void *data, size_t bytes,
+                 struct watch *watch)
+{
+    const size_t most = (size_t)4 << 20;
+    gl.NamedBufferStorage(buffer, (GLsizeiptr)bytes, NULL,
+                          GL_DYNAMIC_STORAGE_BIT);
+    for (size_t at = 0; at < bytes && !watch_cut(watch); at += most)
+        gl.NamedBufferSubData(
+            buffer, (GLintptr)at,
+            (GLsizeiptr)(bytes - at < most ? bytes - at : most),
+            (const char *)data + at);
+    return !watch_cut(watch);
+}
+
+static bool send(struct crossings *c, const int size[3], const uint32_t *starts,
                  const uint32_t *pieces)
 {
     const size_t cells = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
@@ -220,8 +235,10 @@ static void send(struct crossings *c, const int size[3], const uint32_t *starts,
     static const char *const name[2] = {"crossings cells", "crossings pieces"};
     gl.CreateBuffers(2, c->rays.list);
     for (int i = 0; i < 2; i++) {
-        gl.NamedBufferStorage(c->rays.list[i], (GLsizeiptr)bytes[i], data[i],
-                              0);
+        if (!fill(c->rays.list[i], data[i], bytes[i], c->watch)) {
+            crossings_lists_forget(c);
+            return false;
+        }
         gl.ObjectLabel(GL_BUFFER, c->rays.list[i], -1, name[i]);
     }
     for (int i = 0; i < 2; i++)
@@ -232,6 +249,7 @@ static void send(struct crossings *c, const int size[3], const uint32_t *starts,
     c->block->cells[3] = (float)(size[0] / c->size[0]);
     c->block->inverse[3] = ray_voxels * c->block->cells[3];
     gl.NamedBufferSubData(c->uniform, 0, sizeof *c->block, c->block);
+    return true;
 }
 
 // Lists of `cells` cells a voxel along an axis, of at most `most` bytes each.
@@ -248,10 +266,9 @@ static bool build(struct crossings *c, const struct groom *g,
     uint32_t *pieces = NULL, *starts = bytes_zalloc((size_t)all + 1, 4);
     crossings_grid_hair(&hair, c->box_min, c->voxel / (float)cells, g, p);
     hair.watch = c->watch;
-    const bool ok = make(&hair, size, most / 4 - 1, starts, &pieces);
+    const bool ok = make(&hair, size, most / 4 - 1, starts, &pieces) &&
+                    send(c, size, starts, pieces);
     crossings_grid_hair_finish(&hair);
-    if (ok)
-        send(c, size, starts, pieces);
     free(starts);
     free(pieces);
     return ok;

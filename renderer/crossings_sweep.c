@@ -191,12 +191,13 @@ static void put_right(struct crossings *c, int count)
                        (GLuint)(c->size[Z] * count));
 }
 
-static void into_atlas(struct crossings *c, const struct group *g, int begin,
+// False where it was cut.
+static bool into_atlas(struct crossings *c, const struct group *g, int begin,
                        int count)
 {
     gl.MemoryBarrier(GL_PIXEL_BUFFER_BARRIER_BIT);
     gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, c->bytes[g->axis == X]);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count && !watch_cut(c->watch); i++) {
         const float *at = c->block->way[g->way[begin + i]][1];
         const uintptr_t from = (uintptr_t)(crossings_voxels(c) * (uint64_t)i);
         gl.TextureSubImage3D(c->atlas, 0, (GLint)at[X], (GLint)at[Y],
@@ -204,6 +205,7 @@ static void into_atlas(struct crossings *c, const struct group *g, int begin,
                              GL_RED, GL_UNSIGNED_BYTE, (const void *)from);
     }
     gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    return !watch_cut(c->watch);
 }
 
 static bool sweep_group(struct crossings *c, const struct group *g)
@@ -227,7 +229,8 @@ static bool sweep_group(struct crossings *c, const struct group *g)
             return false;
         if (g->axis == X)
             put_right(c, count);
-        into_atlas(c, g, begin, count);
+        if (!into_atlas(c, g, begin, count))
+            return false;
         begin += count;
     }
     return true;

@@ -245,7 +245,7 @@ static bool draw(struct picture *p, const struct strands *s, struct error *err)
 static bool walk(struct picture *p, const struct strands *s,
                  const struct camera *c, struct error *err)
 {
-    const struct raster_view view = {s, c, p->width, p->height};
+    const struct raster_view view = {s, c, p->width, p->height, p->watch};
     if (!raster_see(&p->raster, &view, err))
         return false;
     gl.UseProgram(p->cells);

@@ -34,11 +34,12 @@ struct picture {
     bool always_drawn;               // set by tests
     uint32_t slots;                  // of the hash table, a power of two
     int maps;                        // samples whose map is kept
-    int cache_mb;    // quality.cache_mb that all this was sized for
-    int seen;        // samples whose cells are listed
-    bool flushed;    // the list no longer begins with sample 0
-    uint32_t listed; // entries of the list, as last read
-    uint32_t lost;   // pixels without a place in the table: 0
+    struct watch *watch; // NULL, or cuts picture_see, which then is false
+    int cache_mb;        // quality.cache_mb that all this was sized for
+    int seen;            // samples whose cells are listed
+    bool flushed;        // the list no longer begins with sample 0
+    uint32_t listed;     // entries of the list, as last read
+    uint32_t lost;       // pixels without a place in the table: 0
     uint64_t target_bytes, cache_bytes;
 };
 

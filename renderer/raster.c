@@ -234,8 +234,14 @@ bool raster_see(struct raster *r, const struct raster_view *v,
         head(r, v);
     keep(r, s);
     gl.BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, r->work);
-    walk(r, s, r->walk, GROUPS);
-    walk(r, s, r->walk, WINDOWS);
-    walk(r, s, r->settle, NEAREST);
+    const struct {
+        const unsigned *program;
+        int list;
+    } pass[] = {{r->walk, GROUPS}, {r->walk, WINDOWS}, {r->settle, NEAREST}};
+    for (int i = 0; i < 3; i++) {
+        if (watch_cut(v->watch))
+            return false;
+        walk(r, s, pass[i].program, pass[i].list);
+    }
     return true;
 }

@@ -16,6 +16,7 @@
 #include "protocol/error.h"
 #include "renderer/camera.h"
 #include "renderer/strands.h"
+#include "renderer/watch.h"
 
 // Nothing of it outlives a sample: pictures can share one.
 struct raster {                              // zero-initialised is empty
@@ -33,6 +34,7 @@ struct raster_view {
     const struct strands *strands;
     const struct camera *camera;
     int width, height;
+    struct watch *watch; // NULL, or cuts it, which then is false
 };
 
 // What each pixel sees, into a buffer that is then bound for cells.comp, as the

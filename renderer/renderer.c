@@ -86,7 +86,7 @@ struct renderer *renderer_create(const char *cache_dir, struct error *err)
     display_init(&r->display);
     if (!picture_init(&r->picture, err) || !crossings_init(&r->crossings, err))
         goto fail;
-    r->crossings.watch = &r->watch;
+    r->crossings.watch = r->picture.watch = &r->watch;
     for (int i = 0; i < RENDERER_STAGES; i++)
         r->stale[i] = true;
     r->draft.as_if = RENDERER_STAGES;

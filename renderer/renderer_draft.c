@@ -164,6 +164,7 @@ static bool make(struct renderer *r, struct renderer_draft *how,
         how->stride = 2; // an axis for all of them takes longer than a picture
     d->now = draft_view_of(d, how);
     draft_view_take(d, d->now, how);
+    d->now->picture.watch = d->strands.watch = &r->watch;
     struct params p = renderer_draft_params(r, how->divisor);
     if (d->as_if == RENDERER_VISIBLE)
         d->now->seen = false;

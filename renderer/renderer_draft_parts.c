@@ -169,6 +169,7 @@ static bool grid(struct renderer *r, struct error *err)
     if (!d->crossings.block &&
         !crossings_init_beside(&d->crossings, &r->crossings, err))
         return false;
+    d->crossings.watch = &r->watch;
     if (d->gridded == stride ||
         (d->gridded > 0 && stride == 1 && d->as_if == RENDERER_STAGES))
         return true; // those of a part do, while the hand moves

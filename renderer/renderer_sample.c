@@ -138,7 +138,7 @@ static bool shade_shown(struct renderer *r, int k,
         parts.all = nodes->stride;
     else if (!r->watch.newer) // how many there are is the GPU's affair
         return shade_all(r, k, err);
-    else if (renderer_wait_for_gpu("visible", err))
+    else if (renderer_wait_for_gpu("visible", err) && !watch_cut(&r->watch))
         parts.all = picture_counters(&r->picture);
     else
         return false;
@@ -266,7 +266,8 @@ static bool shadow_and_shade(struct renderer *r, int k, struct error *err)
         return shadow(r, &q, err);
     if (q.by_pixel)
         list_fragments(r, k);
-    if (!renderer_wait_for_gpu("visible", err)) // how many places there are
+    // How many places there are.
+    if (!renderer_wait_for_gpu("visible", err) || watch_cut(&r->watch))
         return false;
     const uint32_t all = picture_counters(&r->picture);
     const uint32_t room = nodes_room(&q);

@@ -106,7 +106,8 @@ static double weighted_norm2(const struct atoms *a, int width, int row,
     return sum;
 }
 
-static void atoms_init(struct atoms *a, const struct sky_fit_target *t)
+static void atoms_init(struct atoms *a, const struct sky_fit_target *t,
+                       struct watch *watch)
 {
     *a = (struct atoms){.t = t};
     choose_widths(a);
@@ -118,7 +119,7 @@ static void atoms_init(struct atoms *a, const struct sky_fit_target *t)
     for (int c = 0; c < 3; c++)
         a->z[c] = bytes_alloc(t->count * sizeof *a->z[c]);
     for (int w = 0; w < a->widths; w++)
-        for (int r = 0; r < ROWS; r++) {
+        for (int r = 0; r < ROWS && !watch_cut(watch); r++) {
             for (int y = 0; y < t->height; y++)
                 fill_row(a, w, r, y);
             for (int c = 0; c < COLUMNS; c++)
@@ -189,7 +190,7 @@ static void take(struct atoms *a, struct sky_fit_model *m, const struct pick *p)
 void sky_fit_start_run(struct sky_fit_model *m, int lights, struct watch *watch)
 {
     struct atoms a;
-    atoms_init(&a, m->target);
+    atoms_init(&a, m->target, watch);
     int every = lights / 20 > 1 ? lights / 20 : 1;
     while (m->count < lights && !watch_cut(watch)) {
         struct pick p = best_atom(&a, m);

@@ -18,7 +18,7 @@
 enum { LOOKS_MAX = 1 << 16 };
 
 struct stretches {
-    pthread_t thread;
+    pthread_mutex_t lock;
     double wall, cpu; // when the newest began, ms
     double all[2][LOOKS_MAX];
     size_t count;
@@ -41,7 +41,6 @@ static double processor(void)
 
 static void begin(struct stretches *s)
 {
-    s->thread = pthread_self();
     s->wall = 1e3 * timer_now();
     s->cpu = processor();
 }
@@ -60,8 +59,9 @@ static void end(struct stretches *s)
 static bool look(void *ctx)
 {
     struct stretches *s = ctx;
-    if (pthread_equal(pthread_self(), s->thread))
-        end(s);
+    pthread_mutex_lock(&s->lock); // whichever thread it is: the work would end
+    end(s);
+    pthread_mutex_unlock(&s->lock);
     return false;
 }
 
@@ -124,7 +124,7 @@ static double sum_of(const double *x, size_t n)
 static void measure(struct renderer *r, struct params *p, const char *groom,
                     const struct edit *e)
 {
-    static struct stretches s;
+    static struct stretches s = {.lock = PTHREAD_MUTEX_INITIALIZER};
     struct error err = {0};
     bool done;
     for (int k = 0; k < 2; k++) { // the first time warms up
