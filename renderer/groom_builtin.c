@@ -9,6 +9,9 @@
 
 #include "renderer/groom_builtin.h"
 #include "renderer/groom_private.h"
+#include "renderer/shoot_threads.h"
+
+enum { CHUNK = 256 }; // strands that a thread dresses at a time
 
 const char *const groom_builtin_names[] = {
     "ponytail", "animation", "bob", "dark", "straight", "natural", NULL};
@@ -37,6 +40,24 @@ static void set_head(struct groom_head *head)
     head->radius[2] = groom_builtin_head_radius.z;
 }
 
+struct dressing {
+    struct groom *g;
+    const struct groom_dress *dress;
+    const struct groom_root *roots;
+};
+
+// Strands do not know of each other, so the order is no matter.
+static void dress_chunk(void *context, size_t chunk)
+{
+    const struct dressing *d = context;
+    const struct groom *g = d->g;
+    const uint32_t begin = (uint32_t)chunk * CHUNK;
+    for (uint32_t i = begin; i < g->strands && i < begin + CHUNK; i++)
+        groom_builtin_dress_strand(d->dress, &d->roots[i],
+                                   g->position + 3 * (size_t)g->first[i],
+                                   g->first[i + 1] - g->first[i]);
+}
+
 struct groom *groom_builtin(const char *name, struct error *err)
 {
     const struct groom_style *style = find_style(name);
@@ -57,10 +78,8 @@ struct groom *groom_builtin(const char *name, struct error *err)
     for (uint32_t i = 0; i < style->strands; i++)
         roots[i] = groom_builtin_head_root(style, i, &cursor);
     struct groom_dress *dress = groom_builtin_dress_create(style, roots);
-    for (uint32_t i = 0; i < style->strands; i++)
-        groom_builtin_dress_strand(dress, &roots[i],
-                                   g->position + 3 * (size_t)g->first[i],
-                                   g->first[i + 1] - g->first[i]);
+    struct dressing all = {g, dress, roots};
+    shoot_threads((style->strands + CHUNK - 1) / CHUNK, dress_chunk, &all);
     groom_builtin_dress_destroy(dress);
     free(roots);
     groom_private_measure(g, false);

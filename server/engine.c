@@ -181,12 +181,6 @@ struct engine *engine_create(struct engine_setup *setup, struct error *err)
     e->ctx = setup->ctx;
     e->wish.params = setup->params;
     e->wish.revision = 1;
-    e->stats.hair = (struct engine_asset_info){.source = setup->hair.source,
-                                               .strands = setup->hair.strands,
-                                               .points = setup->hair.points};
-    e->stats.env = (struct engine_asset_info){.source = setup->sky.source,
-                                              .width = setup->sky.width,
-                                              .height = setup->sky.height};
     e->judge = judge_create(judged, e, err);
     bool ok = e->judge != NULL;
     const char *wanted = getenv("GLINT_WARM");
@@ -195,8 +189,7 @@ struct engine *engine_create(struct engine_setup *setup, struct error *err)
     ok = ok && start(e, err);
     if (ok)
         e->loader = loader_create(setup->roots, loaded, e, err);
-    assets_hair_finish(&setup->hair);
-    assets_sky_finish(&setup->sky);
+    opening_end(setup->opening);
     e->setup = NULL;
     if (e->loader)
         return e;

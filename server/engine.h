@@ -17,6 +17,7 @@
 #include "server/assets.h"
 #include "server/judge.h"
 #include "server/loader.h"
+#include "server/opening.h"
 #include "server/studio.h"
 
 struct engine;
@@ -24,8 +25,7 @@ struct engine;
 struct engine_setup {
     const char *cache_dir;            // NULL keeps no fits
     struct params params;             // revision 1
-    struct assets_hair hair;          // taken
-    struct assets_sky sky;            // taken
+    struct opening *opening;          // hair and sky; taken
     const struct assets_roots *roots; // borrowed until engine_destroy
     void (*wake)(void *ctx);          // called from other threads: events wait
     void *ctx;

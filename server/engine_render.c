@@ -146,6 +146,18 @@ static void do_capture(struct engine *e)
     progress(e, "");
 }
 
+static struct engine_asset_info info_of_hair(const struct assets_hair *h)
+{
+    return (struct engine_asset_info){
+        .source = h->source, .strands = h->strands, .points = h->points};
+}
+
+static struct engine_asset_info info_of_sky(const struct assets_sky *s)
+{
+    return (struct engine_asset_info){
+        .source = s->source, .width = s->width, .height = s->height};
+}
+
 static void do_install(struct engine *e)
 {
     struct loader_item *item = e->loaded;
@@ -156,12 +168,8 @@ static void do_install(struct engine *e)
                                  .which = item->which,
                                  .error = item->error};
     bool hair = item->which == LOADER_HAIR;
-    struct engine_asset_info info = {.source = hair ? item->hair.source
-                                                    : item->sky.source,
-                                     .strands = item->hair.strands,
-                                     .points = item->hair.points,
-                                     .width = item->sky.width,
-                                     .height = item->sky.height};
+    struct engine_asset_info info =
+        hair ? info_of_hair(&item->hair) : info_of_sky(&item->sky);
     if (item->ok && !item->cancelled) {
         pthread_mutex_unlock(&e->lock);
         judge_settle(e->judge);
@@ -328,11 +336,15 @@ void *engine_render_main(void *arg)
     struct engine *e = arg;
     struct error err = {0};
     pthread_setname_np(pthread_self(), "glint-render");
-    bool ok = studio_open(&e->studio, e->setup->cache_dir, &e->setup->hair,
-                          &e->setup->sky, &err);
+    struct opening *o = e->setup->opening;
+    bool ok = studio_open(&e->studio, e->setup->cache_dir, o, &err);
     e->studio.newer = newer;
     e->studio.ctx = e;
     pthread_mutex_lock(&e->lock);
+    if (ok) {
+        e->stats.hair = info_of_hair(opening_hair(o));
+        e->stats.env = info_of_sky(opening_sky(o));
+    }
     if (ok)
         snprintf(e->stats.device, sizeof e->stats.device, "%s",
                  renderer_device(e->studio.renderer));

@@ -49,8 +49,7 @@ bool studio_set_sky(struct studio *s, struct assets_sky *m, struct error *err)
     return true;
 }
 
-bool studio_open(struct studio *s, const char *cache_dir,
-                 struct assets_hair *hair, struct assets_sky *sky,
+bool studio_open(struct studio *s, const char *cache_dir, struct opening *o,
                  struct error *err)
 {
     *s = (struct studio){0};
@@ -59,7 +58,8 @@ bool studio_open(struct studio *s, const char *cache_dir,
     if (!s->renderer)
         return false;
     renderer_set_params(s->renderer, &s->set);
-    return studio_set_hair(s, hair, err) && studio_set_sky(s, sky, err);
+    return opening_wait(o, err) && studio_set_hair(s, opening_hair(o), err) &&
+           studio_set_sky(s, opening_sky(o), err);
 }
 
 void studio_close(struct studio *s)

@@ -16,6 +16,7 @@
 #include "server/governor.h"
 #include "server/haste.h"
 #include "server/judge.h"
+#include "server/opening.h"
 #include "server/still.h"
 
 enum {
@@ -95,9 +96,8 @@ struct studio {
     struct haste haste;
 };
 
-// Takes the groom and the sky.
-bool studio_open(struct studio *s, const char *cache_dir,
-                 struct assets_hair *hair, struct assets_sky *sky,
+// Waits for groom and sky, and takes them, once there is a renderer.
+bool studio_open(struct studio *s, const char *cache_dir, struct opening *o,
                  struct error *err);
 void studio_close(struct studio *s);
 

@@ -110,12 +110,7 @@ static bool start_engine(struct serve *v, struct error *err)
     for (int i = 0; i < v->roots.count; i++)
         if (!assets_roots_add(&v->opened, v->roots.item[i], err))
             return false;
-    if (!assets_hair_load(&setup.hair, v->options.hair, NULL, err))
-        return false;
-    if (!assets_sky_load(&setup.sky, v->options.env, NULL, err)) {
-        assets_hair_finish(&setup.hair);
-        return false;
-    }
+    setup.opening = opening_begin(v->options.hair, v->options.env);
     char *cache = cache_directory();
     setup.cache_dir = cache;
     v->engine = engine_create(&setup, err);
