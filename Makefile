@@ -107,6 +107,8 @@ BESIDE_EXTREMES := tests/numeric/cases.c tests/numeric/xu_double.c \
 $(B)/tests/extremes/%: BESIDE = $(BESIDE_EXTREMES)
 $(B)/tests/extremes/test_extremes $(B)/tests/extremes/bench_extremes: \
 	$(wildcard tests/extremes/*.[ch]) $(BESIDE_EXTREMES)
+$(B)/tests/render/test_large: BESIDE = tests/bench/grown.c
+$(B)/tests/render/test_large: tests/bench/grown.c
 $(B)/tests/%: tests/%.c $(LIB_OBJS)
 	@mkdir -p $(@D)
 	$(call say,CC $<)
@@ -172,6 +174,14 @@ bench-edits: all
 	    $(if $(findstring --quick,$(ARGS)),,--scenes $(BENCH_EDITS)) \
 	    $(ARGS) > $(B)/edits.jsonl
 	$(if $(findstring --quick,$(ARGS)),,@python3 tests/bench/readme_edits.py)
+# How that grows with places, lights, strands, points and pixels: docs/SCALE.md.
+# ARGS=--quick: fewer of each, into build/.
+.PHONY: bench-scale
+bench-scale: deps
+	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_scale
+	@mkdir -p $(BENCH_TO)/pictures
+	@$(B)/tests/bench/bench_scale --report $(BENCH_TO)/SCALE.md \
+	    --pictures $(BENCH_TO)/pictures $(ARGS) > $(B)/scale.jsonl
 bench-stages: deps
 	+@$(MAKE) --no-print-directory -s $(B)/tests/bench/bench_stages
 	@$(B)/tests/bench/bench_stages $(ARGS)

@@ -55,7 +55,7 @@ struct renderer {
     int samples;                 // in the picture's sum
     bool refined;                // the picture's shadows are by rays
     struct renderer_stats stats;
-    struct gl_counts work_from; // when the newest step or draft began
+    struct gl_counts work_from;     // when the newest step or draft began
     struct renderer_first {         // of the newest first sample of a size
         int width, height;          // 0: there was none
         double ms[RENDERER_STAGES]; // that ran the stage; < 0: none did
