@@ -141,16 +141,18 @@ static void drop_hair(struct reference *s)
     s->axis = NULL;
 }
 
-static bool take_hair(struct reference *s, const struct groom *g,
-                      const struct params *p, struct error *err)
+static bool take_hair(struct reference *s, const struct reference_scene *scene,
+                      struct error *err)
 {
+    const struct groom *g = scene->groom;
+    const struct params *p = scene->params;
     const uint64_t key = key_of(g);
     const bool moved = params_changed(&s->params, p) & 1u << GROUP_hair;
     if (s->shoot && key == s->hair_key && !moved) {
         s->params = *p;
         return true;
     }
-    struct shoot *shoot = shoot_create(g, p, err);
+    struct shoot *shoot = shoot_create_watched(g, p, scene->watch, err);
     if (!shoot)
         return false;
     drop_hair(s);
@@ -172,7 +174,7 @@ bool reference_update(struct reference *s, const struct reference_scene *scene,
                                 1u << GROUP_sun1 | 1u << GROUP_sun2 |
                                 1u << GROUP_sun3;
     const uint32_t changed = params_changed(&s->params, scene->params);
-    if (!take_hair(s, scene->groom, scene->params, err))
+    if (!take_hair(s, scene, err))
         return false;
     struct fibre_spec spec;
     fibre_spec_of(scene->params, scene->model, &spec);

@@ -26,6 +26,7 @@
 #include "renderer/groom.h"
 #include "renderer/places.h"
 #include "renderer/sky.h"
+#include "renderer/watch.h"
 
 struct reference;
 
@@ -35,6 +36,7 @@ struct reference_scene { // borrowed for the call
     const struct sky_fit *fit; // for REFERENCE_SRBF; NULL: not wanted
     const struct params *params;
     enum fibre_model model;
+    struct watch *watch; // NULL, or cuts the making; no error is set then
 };
 
 // NULL when the groom is more than shoot.h takes.

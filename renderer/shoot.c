@@ -89,6 +89,13 @@ static void take_head(struct shoot *s, const struct groom *g,
 struct shoot *shoot_create(const struct groom *g, const struct params *p,
                            struct error *err)
 {
+    return shoot_create_watched(g, p, NULL, err);
+}
+
+struct shoot *shoot_create_watched(const struct groom *g,
+                                   const struct params *p, struct watch *watch,
+                                   struct error *err)
+{
     if (g->points > POINTS_MAX) {
         error_set(err, "limit", g->name,
                   "%s: %u points are more than the %d that rays can be shot at",
@@ -108,9 +115,11 @@ struct shoot *shoot_create(const struct groom *g, const struct params *p,
     measure_diameter(s);
     take_opacity(s, g, p);
     take_head(s, g, p);
-    shoot_build(&s->tree,
-                &(struct shoot_segments){s->point, s->first, s->strands});
-    return s;
+    const struct shoot_segments in = {s->point, s->first, s->strands, watch};
+    if (shoot_build(&s->tree, &in))
+        return s;
+    shoot_destroy(s);
+    return NULL;
 }
 
 void shoot_destroy(struct shoot *s)

@@ -16,6 +16,7 @@
 #include "protocol/error.h"
 #include "protocol/params.h"
 #include "renderer/groom.h"
+#include "renderer/watch.h"
 
 struct shoot;
 
@@ -25,6 +26,10 @@ struct shoot;
 // or one that hair.scale takes out of the range of floats.
 struct shoot *shoot_create(const struct groom *g, const struct params *p,
                            struct error *err);
+// NULL as well, without an error, where `watch` cuts it.
+struct shoot *shoot_create_watched(const struct groom *g,
+                                   const struct params *p, struct watch *watch,
+                                   struct error *err);
 void shoot_destroy(struct shoot *s);          // NULL is allowed
 double shoot_diameter(const struct shoot *s); // mean over length, world
 size_t shoot_bytes(const struct shoot *s);    // memory that it holds

@@ -115,12 +115,16 @@ static void count(const struct shoot_branch *b, size_t *inner, size_t *leaves)
     count(b->right, inner, leaves);
 }
 
-void shoot_build(struct shoot_tree *t, const struct shoot_segments *segments)
+bool shoot_build(struct shoot_tree *t, const struct shoot_segments *segments)
 {
     struct shoot_split split;
     shoot_split(&split, segments);
     struct build b = {t, segments, &split};
     *t = (struct shoot_tree){0};
+    if (watch_cut(segments->watch)) {
+        shoot_split_finish(&split);
+        return false;
+    }
     for (int k = 0; k < 3; k++) {
         t->low[k] = split.root->box.low[k];
         t->high[k] = split.root->box.high[k];
@@ -131,6 +135,7 @@ void shoot_build(struct shoot_tree *t, const struct shoot_segments *segments)
     t->leaf = aligned(leaves * sizeof *t->leaf);
     put_node(&b, split.root);
     shoot_split_finish(&split);
+    return true;
 }
 
 void shoot_build_finish(struct shoot_tree *t)

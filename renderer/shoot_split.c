@@ -16,8 +16,9 @@ typedef shoot_f4 f4;
 
 enum {
     BINS = 16,
-    CHUNK = 256,    // branches allocated at a time
-    DEPTH_BINS = 40 // below it ranges are halved: 2^23 pieces end in 23 more
+    CHUNK = 256,       // branches allocated at a time
+    LOOK_ABOVE = 2048, // pieces: below, the watch is not looked at
+    DEPTH_BINS = 40    // below it ranges are halved: 2^23 pieces end in 23 more
 };
 
 struct chunk {
@@ -37,6 +38,7 @@ struct split {
     struct shoot_split *out;
     uint32_t part_size; // ranges up to this become parts; 0: no more parts
     uint32_t part_cap;
+    struct watch *watch; // NULL, or cuts it
 };
 
 // --- boxes -------------------------------------------------------------------
@@ -345,6 +347,8 @@ static void grow(struct split *s, struct shoot_split_part *part,
                  struct shoot_branch *b, int depth)
 {
     const uint32_t count = b->end - b->begin;
+    if (count > LOOK_ABOVE && watch_cut(s->watch))
+        return;
     if (s->part_size > 0 && count <= s->part_size) {
         leave(s, b, depth);
         return;
@@ -380,7 +384,8 @@ void shoot_split(struct shoot_split *out, const struct shoot_segments *in)
     *out = (struct shoot_split){0};
     make_pieces(out, in);
     const uint32_t size = out->pieces / 64 > 4096 ? out->pieces / 64 : 4096;
-    struct split s = {.out = out, .part_size = size, .part_cap = 256};
+    struct split s = {
+        .out = out, .part_size = size, .part_cap = 256, .watch = in->watch};
     out->part = bytes_zalloc(s.part_cap, sizeof *out->part);
     out->parts = 1;
     struct shoot_split_part top = {0};
@@ -390,7 +395,8 @@ void shoot_split(struct shoot_split *out, const struct shoot_segments *in)
     out->part[0] = top;
     s.part_size = 0;
     shoot_threads(out->parts - 1, grow_part, &s);
-    price_top(out->root, size);
+    if (!watch_cut(in->watch))
+        price_top(out->root, size);
 }
 
 void shoot_split_finish(struct shoot_split *s)

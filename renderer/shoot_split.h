@@ -40,6 +40,7 @@ struct shoot_split {
     uint32_t parts;
 };
 
+// Where the segments' watch cuts it only shoot_split_finish may follow.
 void shoot_split(struct shoot_split *s, const struct shoot_segments *in);
 void shoot_split_finish(struct shoot_split *s);
 

@@ -8,8 +8,11 @@
 #ifndef RENDERER_SHOOT_TREE_H
 #define RENDERER_SHOOT_TREE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+#include "renderer/watch.h"
 
 enum {
     SHOOT_LANES = 8, // children of a node, segments of a leaf
@@ -49,10 +52,12 @@ struct shoot_segments {    // what the tree is built over, scene units
     const float *point;    // [4 * points]: x, y, z, diameter
     const uint32_t *first; // [strands + 1]
     uint32_t strands;
+    struct watch *watch; // NULL, or cuts the building
 };
 
-// Segments without length are left out: nothing can meet them.
-void shoot_build(struct shoot_tree *t, const struct shoot_segments *segments);
+// Segments without length are left out: nothing can meet them.  False, and an
+// empty tree, where it was cut.
+bool shoot_build(struct shoot_tree *t, const struct shoot_segments *segments);
 void shoot_build_finish(struct shoot_tree *t);
 
 #endif

@@ -12,6 +12,8 @@ static const double aim = 0.8;
 // The share of the budget that the strands' raster may take: what is left is
 // for light, which decides how fine the picture is.
 static const double raster_share = 0.3;
+// ... and making them, where it is the hair that is dragged.
+static const double strands_share = 0.15;
 // All strands into a small picture, for what they take into a whole one: at
 // 1/8 of its sides .13 of it for `animation`, as much for `straight`.
 static const double raster_small = 0.13;
@@ -91,14 +93,27 @@ static void choose_stride(struct haste *h)
     h->seen = 0;
 }
 
-// How many strands one may stand for at this size.
-static int stride_of(const struct haste *h, const struct haste_ask *ask,
-                     int divisor)
+// ms of making all strands.
+static double strands_ms(const struct haste *h, const double *forecast)
+{
+    const struct haste_kind *k = &h->kind[number_of(forecast)];
+    return forecast[RENDERER_STRANDS] < 0 ? 0
+           : k->divisor > 0               ? k->strands
+                                          : forecast[RENDERER_STRANDS];
+}
+
+// How many strands one has to stand for, and may at this size.
+static int stride_of(const struct haste *h, const double *forecast,
+                     const struct haste_ask *ask, int divisor)
 {
     const double most = ask->width_pixels > 0
                             ? widest * divisor / ask->width_pixels
                             : STRIDE_MOST;
-    return most < 1 ? 1 : most < h->stride ? (int)most : h->stride;
+    int k = h->stride;
+    while (k < STRIDE_MOST &&
+           strands_ms(h, forecast) / k > strands_share * h->budget)
+        k *= 2;
+    return most < 1 ? 1 : most < k ? (int)most : k;
 }
 
 static double raster_ms(const struct haste *h, int stride)
@@ -117,9 +132,7 @@ static double draft_ms(const struct haste *h, const double *forecast,
     double sum = (h->own_tail > 0 ? h->own_tail : h->tail) +
                  ran(forecast[RENDERER_LIGHT]) + ran(forecast[RENDERER_TINT]) +
                  ran(forecast[RENDERER_FIBRE]);
-    if (forecast[RENDERER_STRANDS] >= 0)
-        sum += (k->divisor > 0 ? k->strands : ran(forecast[RENDERER_STRANDS])) /
-               stride;
+    sum += strands_ms(h, forecast) / stride;
     if (forecast[RENDERER_CROSSINGS] >= 0)
         sum += k->divisor > 0 ? k->field : field_guess;
     return sum + pixels / (divisor * divisor);
@@ -136,7 +149,7 @@ static int choose_divisor(const struct haste *h, const double *forecast,
                                                   : rows;
     int d = 2;
     for (; d < most; d++) {
-        const int stride = stride_of(h, ask, d);
+        const int stride = stride_of(h, forecast, ask, d);
         const double limit = k->divisor == 0  ? 1
                              : d < k->divisor ? finer_below
                                               : coarser_above;
@@ -186,8 +199,8 @@ bool haste_choose(struct haste *h, const double *forecast,
             return true;
     }
     const int d = choose_divisor(h, forecast, ask, true);
-    *how =
-        (struct renderer_draft){.divisor = d, .stride = stride_of(h, ask, d)};
+    *how = (struct renderer_draft){.divisor = d,
+                                   .stride = stride_of(h, forecast, ask, d)};
     return true;
 }
 
@@ -209,8 +222,10 @@ void haste_draft(struct haste *h, const double *forecast,
     k->pixels = k->divisor > 0 ? 0.5 * (k->pixels + ms) : ms;
     if (stage_ms[RENDERER_CROSSINGS] >= 0)
         k->field = stage_ms[RENDERER_CROSSINGS];
-    if (stage_ms[RENDERER_STRANDS] >= 0)
-        k->strands = stage_ms[RENDERER_STRANDS] * how->stride;
+    if (stage_ms[RENDERER_STRANDS] >= 0) {
+        const double all = stage_ms[RENDERER_STRANDS] * how->stride;
+        k->strands = k->divisor > 0 ? 0.5 * (k->strands + all) : all;
+    }
     k->times = k->divisor != how->divisor ? 1 : k->times + (k->times < 255);
     k->divisor = how->divisor;
     if (!rasters(forecast) || how->stride != h->stride)

@@ -104,6 +104,11 @@ static void weigh(struct judge *j, const struct judge_case *c, int64_t began)
     free(e);
 }
 
+static bool is_halted(void *self)
+{
+    return atomic_load(&((struct judge *)self)->halted);
+}
+
 // Under the lock, let go of while it works.
 static void hear_next(struct judge *j)
 {
@@ -111,7 +116,9 @@ static void hear_next(struct judge *j)
     struct params params = j->params;
     struct error err = {0};
     const int64_t began = clock_us();
+    struct watch watch = {.newer = is_halted, .ctx = j};
     c.scene.params = &params;
+    c.scene.watch = &watch;
     j->waiting = false;
     j->reading = true;
     atomic_store(&j->halted, false);

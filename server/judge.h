@@ -47,8 +47,8 @@ struct judge *judge_create(void (*done)(void *ctx,
 void judge_hear(struct judge *j, struct judge_case *c);
 // Lets the present case go; does not wait.
 void judge_halt(struct judge *j);
-// Halts and returns when groom and map of any case may go: within what it
-// takes to put the strands in order, a second for a million points.
+// Halts and returns when groom and map of any case may go: putting the strands
+// in order is left where it is.
 void judge_settle(struct judge *j);
 // Halts and hears no more; does not wait.
 void judge_stop(struct judge *j);

@@ -47,7 +47,7 @@ static struct reference *open_scene(const struct options *o,
     if (assets_hair_load(&hair, o->hair, NULL, err) &&
         assets_sky_load(&sky, o->env, NULL, err)) {
         const struct reference_scene scene = {hair.groom, sky.map, NULL,
-                                              &o->params, model};
+                                              &o->params, model,   NULL};
         state->hair = hair.source;
         state->env = sky.source;
         s = reference_create(&scene, err);
