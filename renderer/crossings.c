@@ -349,27 +349,50 @@ static uint32_t float_bits(float x)
     return bits;
 }
 
+// Side of a square as large as a way's share of the lobe.
+static float share_of(const struct crossings_light *l, int ways)
+{
+    return fmaxf(l->lambda, 1e-4f) * sqrtf((float)M_PI / (float)ways);
+}
+
+// What a lookup reads of way i, of which its light j has n.
+static void fill_way(struct crossings *c, const struct crossings_light *l,
+                     int j, int i)
+{
+    float(*way)[4] = c->block->way[i];
+    const int first = (int)c->block->light[j][0];
+    const int n = (int)c->block->light[j][1];
+    float across = 0, head[3];
+    crossings_ways_direction(l, i - first, n, way[0]);
+    for (int k = 0; k < 3; k++) {
+        head[k] = way[0][k] * c->block->inverse[k];
+        across += head[k] * head[k];
+    }
+    for (int k = 0; k < 3; k++)
+        way[2][k] = head[k] / sqrtf(across);
+    way[0][3] = i == first + n - 1 ? (float)(j + 1) : 0;
+    way[1][3] = 1 / (float)n;
+    way[2][3] = 1 / share_of(l, n);
+    int tile = i;
+    for (int a = Z; a >= X; a--) {
+        way[1][a] = (float)(tile % c->tiles[a] * c->size[a]);
+        tile /= c->tiles[a];
+    }
+}
+
 static void fill_block(struct crossings *c, const struct crossings_light *l)
 {
     struct crossings_block *b = c->block;
+    b->all[0] = (uint32_t)c->stats.ways;
     for (int k = 0; k < 3; k++)
         b->texel[k] = 1 / (float)(c->tiles[k] * c->size[k]);
-    for (int j = 0, i = 0; j < c->stats.lights; j++) {
-        const int n = (int)b->light[j][1];
-        // side of a square as large as a way's share of the lobe
-        const float share =
-            fmaxf(l[j].lambda, 1e-4f) * sqrtf((float)M_PI / (float)n);
+    for (int j = 0; j < c->stats.lights; j++) {
+        const int first = (int)b->light[j][0], n = (int)b->light[j][1];
         b->light[j][2] = float_bits(l[j].lambda);
-        b->light[j][3] = float_bits(share);
+        b->light[j][3] = float_bits(share_of(&l[j], n));
         memcpy(b->centre[j], l[j].direction, sizeof l[j].direction);
-        for (int k = 0; k < n; k++, i++) {
-            crossings_ways_direction(&l[j], k, n, b->way[i][0]);
-            int tile = i;
-            for (int a = Z; a >= X; a--) {
-                b->way[i][1][a] = (float)(tile % c->tiles[a] * c->size[a]);
-                tile /= c->tiles[a];
-            }
-        }
+        for (int i = first; i < first + n; i++)
+            fill_way(c, &l[j], j, i);
     }
     gl.NamedBufferSubData(c->uniform, 0, sizeof *b, b);
 }

@@ -13,10 +13,13 @@ struct crossings_block {
     float head[4];    // centre; 1 where there is a head
     float inverse[4]; // 1 / radius; reach of rays in cells
     float cells[4];   // of the lists; cells a voxel, along an axis
+    uint32_t all[4];  // ways of all lights
     uint32_t light[CROSSINGS_LIGHTS_MAX][4]; // first way, ways; float bits:
                                              // lambda, width of a way's share
     float centre[CROSSINGS_LIGHTS_MAX][4];
-    float way[CROSSINGS_WAYS_MAX][2][4]; // direction, -; tile's corner, -
+    // direction, light + 1 of its last, else 0; tile's corner, 1 / the light's
+    // ways; direction in units of the head's radii, 1 / width of its share
+    float way[CROSSINGS_WAYS_MAX][3][4];
 };
 
 // --- crossings_grid.c: the hair in voxels

@@ -123,7 +123,8 @@ void nodes_run(const struct nodes *n, const struct nodes_request *q,
                const struct picture *p, uint32_t from, uint32_t count)
 {
     gl.ProgramUniform1ui(n->now, FROM_LOCATION, from);
-    picture_dispatch_lights(p, count, q->lights);
+    // all lights an invocation, but of rays and maps (shadow.comp)
+    picture_dispatch_lights(p, count, q->rays > 0 || q->map ? q->lights : 1);
 }
 
 void nodes_made(struct nodes *n, const struct nodes_request *q)

@@ -1,7 +1,10 @@
 #version 450 core
-// What of each light reaches the places that a sample sees first: one light an
-// invocation.  The first sample's are kept for the edits of fibre and light
-// colour to come, which change none of it.
+// What of each light reaches the places that a sample sees first: all lights an
+// invocation, or one where a light takes long (EACH).  The first sample's are
+// kept for the edits of fibre and light colour to come, which change none of it.
+#if defined SHADOW_RAYS || defined SHADOW_MAP
+#define EACH
+#endif
 #include "scene.glsl"
 #include "cells.glsl"
 #include "shadow.glsl"
@@ -23,7 +26,9 @@ void main()
     uint row = gl_NumWorkGroups.x * 64u;
     uint i = from + gl_GlobalInvocationID.x + gl_WorkGroupID.z * row;
     uint at = dispatch.w + nodes_begin + i;
+#ifdef EACH
     uint light = gl_WorkGroupID.y;
+#endif
     if (i >= nodes_stride || at >= list_end[kept])
         return;
 #ifdef BY_PIXEL
@@ -33,10 +38,24 @@ void main()
 #else
     Place c = place_of(list[at]);
 #endif
+#ifdef EACH
 #ifdef SHADOW_RAYS
     uvec2 g = shadow_nodes_rays(light, c.p, c.u, c.segment, c.key, rays);
 #else
     uvec2 g = shadow_nodes(light, c.p, c.u, c.segment, c.key);
 #endif
     nodes[light * nodes_stride + i] = g;
+#else
+    ShadowPlace s = shadow_place(c.p);
+    vec4 sum = vec4(0.0);
+    for (uint k = 0u; k < shadow_all.x; k++) {
+        sum += shadow_along(s, k);
+        float last = shadow_way[3u * k].w;
+        if (last > 0.0) {
+            nodes[(uint(last) - 1u) * nodes_stride + i] =
+                shadow_pack(sum * shadow_way[3u * k + 1u].w);
+            sum = vec4(0.0);
+        }
+    }
+#endif
 }

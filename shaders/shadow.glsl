@@ -26,42 +26,60 @@ layout(std140, binding = 5) uniform Crossings {
     vec4 shadow_head;    // centre; w = 1 where there is a head
     vec4 shadow_inverse; // 1 / the head's radii; reach of rays, cells
     vec4 shadow_cells;   // of the lists of fibres; cells a voxel
+    uvec4 shadow_all;    // ways of all lights
     uvec4 shadow_light[SHADOW_LIGHTS]; // first way, ways; lambda, a way's width
     vec4 shadow_centre[SHADOW_LIGHTS]; // of the lobe
-    vec4 shadow_way[2u * SHADOW_WAYS]; // direction; the tile's corner
+    // direction, its light + 1 if it is the light's last; the tile's corner,
+    // the light's 1 / ways; direction as the head sees it, 1 / a way's width
+    vec4 shadow_way[3u * SHADOW_WAYS];
 };
 layout(binding = 8) uniform sampler3D shadow_atlas;
 
-// How much of a bundle of directions about w, of width `wide`, passes the head
-// of which o is seen from its centre (in units of its radii): 0 or 1, but where
-// the rim lies across the bundle.
-float shadow_past_head(vec3 o, vec3 w, float wide)
+// A place as the grid sees it (voxels) and as the head does (from its centre,
+// in units of its radii, from inside on its surface).
+struct ShadowPlace {
+    vec3 g, o;
+    float oo, r; // o.o, at least 1; 1 / its root
+};
+
+ShadowPlace shadow_place(vec3 p)
 {
-    vec3 d = w * shadow_inverse.xyz;
-    float oo = dot(o, o);
-    o *= inversesqrt(clamp(oo, 1e-12, 1.0)); // from inside: from its surface
-    oo = max(oo, 1.0);
-    float c = -dot(o, d) * inversesqrt(dot(d, d)), r = inversesqrt(oo);
-    // sines of the angles from the rim to w, and from the plane that touches
-    float rim = (sqrt(max((oo - c * c) * (oo - 1.0), 0.0)) - c) * r * r;
-    return clamp(0.5 + max(rim, -c * r) / wide, 0.0, 1.0);
+    ShadowPlace s;
+    s.g = (p - shadow_box.xyz) * shadow_box.w;
+    s.o = (p - shadow_head.xyz) * shadow_inverse.xyz;
+    s.oo = dot(s.o, s.o);
+    s.o *= inversesqrt(clamp(s.oo, 1e-12, 1.0));
+    s.oo = max(s.oo, 1.0);
+    s.r = inversesqrt(s.oo);
+    return s;
 }
 
-// exp(-n / 20) along a way from g, in voxels.
+// How much of a bundle of directions about d (unit, as the head sees it), of
+// width 1 / narrow, passes the head: 0 or 1, but where the rim lies across the
+// bundle.
+float shadow_past_head(ShadowPlace s, vec3 d, float narrow)
+{
+    float c = -dot(s.o, d);
+    // sines of the angles from the rim to d, and from the plane that touches
+    float rim = sqrt(max((s.oo - c * c) * (s.oo - 1.0), 0.0)) - c;
+    float open = clamp(0.5 + max(rim * s.r * s.r, -c * s.r) * narrow, 0.0, 1.0);
+    return shadow_head.w > 0.0 ? open : 1.0;
+}
+
+// exp(-SHADOW_FALL n) along a way from g, in voxels.
 float shadow_far(vec3 g, uint way)
 {
     vec3 t = clamp(g, vec3(0.5), shadow_size.xyz - 0.5);
-    float q = textureLod(shadow_atlas,
-                         (t + shadow_way[2u * way + 1u].xyz) * shadow_texel.xyz,
-                         0.0).r;
-    return SHADOW_ROOT(q);
+    return textureLod(shadow_atlas,
+                      (t + shadow_way[3u * way + 1u].xyz) * shadow_texel.xyz,
+                      0.0).r;
 }
 
-// The nodes of one way: powers of x = exp(-n / 20).
-vec4 shadow_powers(float x)
+// The nodes of one way: powers of q = exp(-SHADOW_FALL n).
+vec4 shadow_powers(float q)
 {
-    float x2 = x * x, x4 = x2 * x2, x10 = x4 * x4 * x2;
-    return vec4(x10 * x10, x4 * x2, x, 1.0);
+    float root = sqrt(q), q2 = q * q;
+    return vec4(q2 * q2 * q, q * root, sqrt(root), 1.0);
 }
 
 uvec2 shadow_pack(vec4 g)
@@ -74,22 +92,21 @@ vec4 shadow_unpack(uvec2 bits)
     return vec4(unpackUnorm2x16(bits.x), unpackUnorm2x16(bits.y));
 }
 
-// The nodes of one way of a light; p seen from the grid (g, in voxels) and
-// from the head (o).
-vec4 shadow_along(uint way, vec3 g, vec3 o, float wide)
+// The nodes of one way of a light.
+vec4 shadow_along(ShadowPlace s, uint way)
 {
-    vec3 w = shadow_way[2u * way].xyz;
-    float x = shadow_far(g + shadow_size.w * w, way);
-    float open = shadow_head.w > 0.0 ? shadow_past_head(o, w, wide) : 1.0;
-    return open * shadow_powers(x);
+    vec4 h = shadow_way[3u * way + 2u];
+    float q = shadow_far(s.g + shadow_size.w * shadow_way[3u * way].xyz, way);
+    return shadow_past_head(s, h.xyz, h.w) * shadow_powers(q);
 }
 
-vec4 shadow_smooth(uvec4 light, vec3 g, vec3 o)
+vec4 shadow_smooth(ShadowPlace s, uint light)
 {
+    uvec4 l = shadow_light[light];
     vec4 sum = vec4(0.0);
-    for (uint k = light.x; k < light.x + light.y; k++)
-        sum += shadow_along(k, g, o, uintBitsToFloat(light.w));
-    return sum / float(max(light.y, 1u));
+    for (uint k = l.x; k < l.x + l.y; k++)
+        sum += shadow_along(s, k);
+    return sum * shadow_way[3u * l.x + 1u].w;
 }
 
 #ifdef SHADOW_MAP
@@ -98,12 +115,10 @@ vec4 shadow_smooth(uvec4 light, vec3 g, vec3 o)
 
 uvec2 shadow_nodes(uint light, vec3 p, vec3 u, uint segment, uint key)
 {
-    vec3 g = (p - shadow_box.xyz) * shadow_box.w;
-    vec3 o = (p - shadow_head.xyz) * shadow_inverse.xyz;
 #ifdef SHADOW_MAP
-    return shadow_pack(shadow_mapped(light, p, g, o));
+    return shadow_pack(shadow_mapped(light, p, shadow_place(p)));
 #else
-    return shadow_pack(shadow_smooth(shadow_light[light], g, o));
+    return shadow_pack(shadow_smooth(shadow_place(p), light));
 #endif
 }
 
@@ -138,8 +153,7 @@ uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
                         uint rays)
 {
     uvec4 l = shadow_light[light];
-    vec3 g = (p - shadow_box.xyz) * shadow_box.w;
-    vec3 o = (p - shadow_head.xyz) * shadow_inverse.xyz;
+    ShadowPlace s = shadow_place(p);
     vec3 z = shadow_centre[light].xyz;
     float lambda = uintBitsToFloat(l.z);
     // The farther a ray decides, the nearer the mean of many to the truth, and
@@ -149,7 +163,7 @@ uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
     float reach = shadow_inverse.w * (lambda <= 0.1 ? longer : wider);
     // Half of what one ray stands for (see fill_block of crossings.c): where it
     // goes is drawn already, and the head's rim shall not be blurred twice.
-    float wide = max(lambda, 1e-4) * sqrt(0.785398163 / float(rays));
+    float narrow = inversesqrt(0.785398163 / float(rays)) / max(lambda, 1e-4);
     uint seed = shadow_mix(key ^ shadow_mix(light + 0x9e3779b9u));
     vec2 shift = vec2(seed >> 8u, shadow_mix(seed) >> 8u) / 16777216.0;
     uint strand = texelFetch(shadow_strands, int(segment)).x;
@@ -159,18 +173,19 @@ uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
         float best = -2.0;
         uint way = l.x;
         for (uint k = l.x; k < l.x + l.y; k++) {
-            float c = dot(w, shadow_way[2u * k].xyz);
+            float c = dot(w, shadow_way[3u * k].xyz);
             way = c > best ? k : way;
             best = max(best, c);
         }
-        float open = shadow_head.w > 0.0 ? shadow_past_head(o, w, wide) : 1.0;
+        vec3 d = normalize(w * shadow_inverse.xyz);
+        float open = shadow_past_head(s, d, narrow);
         float end = reach; // how far fibres were met, in cells
-        vec3 near = shadow_near(p, g * shadow_cells.w, w, strand, end);
-        float x = shadow_far(g + (end / shadow_cells.w) * w, way);
-        sum += open * vec4(near, 1.0) * shadow_powers(x);
-        sum -= shadow_along(way, g, o, uintBitsToFloat(l.w));
+        vec3 near = shadow_near(p, s.g * shadow_cells.w, w, strand, end);
+        float q = shadow_far(s.g + (end / shadow_cells.w) * w, way);
+        sum += open * vec4(near, 1.0) * shadow_powers(q);
+        sum -= shadow_along(s, way);
     }
-    vec4 mean = shadow_smooth(l, g, o) +
+    vec4 mean = shadow_smooth(s, light) +
                 sum / (float(max(rays, 1u)) + SHADOW_DOUBT * lambda);
     mean.w = clamp(mean.w, 0.0, 1.0);
     mean.z = clamp(mean.z, 0.0, mean.w);

@@ -47,15 +47,13 @@ float shadow_map_crossings(uint j, vec3 p, vec2 spread, float least)
 
 // T~ by the kernel of the lobe, exp of the mean; T_f along the light's centre
 // from the sparse samples (shadow_far).
-vec4 shadow_mapped(uint j, vec3 p, vec3 g, vec3 o)
+vec4 shadow_mapped(uint j, vec3 p, ShadowPlace s)
 {
     uvec4 l = shadow_light[j];
-    vec3 w = shadow_centre[j].xyz;
     float n = shadow_map_crossings(j, p, shadow_frame[4u * j + 3u].xy, 0.5);
-    float open = shadow_head.w > 0.0
-                     ? shadow_past_head(o, w, uintBitsToFloat(l.w))
-                     : 1.0;
-    vec4 forward = shadow_powers(shadow_far(g, l.x));
+    vec4 h = shadow_way[3u * l.x + 2u];
+    float open = shadow_past_head(s, h.xyz, h.w);
+    vec4 forward = shadow_powers(shadow_far(s.g, l.x));
     forward.x = exp(-n);
     forward.yz = max(forward.yz, forward.x);
     return open * forward;
