@@ -25,8 +25,8 @@ enum {
     // drafts.
     STUDIO_HASTE_US = 300000,
     // After a draft the full picture waits for the hand to rest: as long as it
-    // would hold up the next edit, at most so long.
-    STUDIO_REST_US = 150000,
+    // would take, at most so long, since it gives way to the next edit.
+    STUDIO_REST_US = 80000,
     // Drafts made at rest after an edit, at most: more would be to and fro.
     STUDIO_REHEARSALS = 16,
     STUDIO_HASTE_QUALITY = 75, // 4:2:0
