@@ -172,6 +172,12 @@ static void jitter_of(const struct picture *p, int k, float out[4])
     out[1] = (float)((2 * y - 1) / p->height);
 }
 
+// Where sample k has its map.
+static int map_of(const struct picture *p, int k)
+{
+    return k < p->maps ? k : p->maps;
+}
+
 static void put3(float out[4], const float in[3], float scale)
 {
     for (int i = 0; i < 3; i++)
@@ -204,8 +210,8 @@ void picture_scene(struct picture *p, const struct picture_scene *s, int k)
     b.sample_index[0] = (uint32_t)k;
     b.sample_index[1] = s->strands->points;
     b.sample_index[2] = p->slots - 1;
-    b.sample_index[3] = (uint32_t)(k < p->maps ? k : p->maps) *
-                        (uint32_t)(p->width * p->height);
+    b.sample_index[3] =
+        (uint32_t)map_of(p, k) * (uint32_t)(p->width * p->height);
     put3(b.mask, s->mask, 1);
     memcpy(b.share, s->share, 2 * sizeof *b.share);
     gl.NamedBufferSubData(p->scene, 0, sizeof b, &b);
@@ -237,18 +243,25 @@ static bool draw(struct picture *p, const struct strands *s, struct error *err)
                            (uint64_t)p->height;
     if (!p->cells_drawn)
         p->cells_drawn = program_compute("cells.comp", "DRAWN", err);
+    if (!p->cells_drawn)
+        return false;
     gl.BindTextureUnit(0, p->target.id);
     gl.UseProgram(p->cells_drawn);
-    return p->cells_drawn != 0;
+    gl.DispatchCompute((GLuint)(p->width + 7) / 8, (GLuint)(p->height + 7) / 8,
+                       1);
+    return true;
 }
 
-static bool walk(struct picture *p, const struct strands *s,
-                 const struct camera *c, struct error *err)
+static bool walk(struct picture *p, const struct raster_view *v, int k,
+                 struct error *err)
 {
-    const struct raster_view view = {s, c, p->width, p->height, p->watch};
-    if (!raster_see(&p->raster, &view, err))
+    const GLuint nothing = 0;
+    const GLsizeiptr size = 4 * (GLsizeiptr)p->width * (GLsizeiptr)p->height;
+    gl.ClearNamedBufferSubData(p->map, GL_R32UI, map_of(p, k) * size, size,
+                               GL_RED_INTEGER, GL_UNSIGNED_INT, &nothing);
+    if (!raster_see(&p->raster, v, err))
         return false;
-    gl.UseProgram(p->cells);
+    raster_pixels(&p->raster, p->cells);
     return true;
 }
 
@@ -261,11 +274,10 @@ bool picture_see(struct picture *p, const struct strands *s,
         p->flushed = true;
         p->seen = k;
     }
-    if (!(picture_draws(p, s) ? draw(p, s, err) : walk(p, s, c, err)))
-        return false;
+    const struct raster_view view = {s, c, p->width, p->height, p->watch};
     picture_bind(p);
-    gl.DispatchCompute((GLuint)(p->width + 7) / 8, (GLuint)(p->height + 7) / 8,
-                       1);
+    if (!(picture_draws(p, s) ? draw(p, s, err) : walk(p, &view, k, err)))
+        return false;
     gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     return true;
 }

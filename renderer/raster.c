@@ -18,7 +18,8 @@ enum {
     GROUPS = 0,
     WINDOWS = 2,
     NEAREST = 4, // lists, two of each
-    LISTS = 6,
+    PIXELS = 6,  // one of these
+    LISTS = 7,
     ROW = 64 // RASTER_ROW of raster_work.glsl
 };
 
@@ -101,9 +102,9 @@ static bool fit(struct raster *r, const struct strands *s, uint32_t pixels,
     memcpy(r->room, room, sizeof room);
     r->depth = buffer(4 * (uint64_t)pixels, "raster depth", &r->bytes);
     r->seen = buffer(4 * (uint64_t)pixels, "raster ids", &r->bytes);
-    r->work =
-        buffer(16 * LISTS + 4 * (2 * ((uint64_t)room[0] + room[1]) + room[2]),
-               "raster lists", &r->bytes);
+    const uint64_t entries =
+        2 * ((uint64_t)room[0] + room[1]) + room[2] + pixels;
+    r->work = buffer(16 * LISTS + 4 * entries, "raster lists", &r->bytes);
     if (!gl_check("raster buffers", err)) {
         raster_drop(r);
         return false;
@@ -244,4 +245,11 @@ bool raster_see(struct raster *r, const struct raster_view *v,
         walk(r, s, pass[i].program, pass[i].list);
     }
     return true;
+}
+
+void raster_pixels(const struct raster *r, unsigned program)
+{
+    use(r, program);
+    gl.BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, r->work);
+    gl.DispatchComputeIndirect(16 * PIXELS);
 }

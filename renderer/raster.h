@@ -37,10 +37,13 @@ struct raster_view {
     struct watch *watch; // NULL, or cuts it, which then is false
 };
 
-// What each pixel sees, into a buffer that is then bound for cells.comp, as the
-// strands are.  The scene block is bound.  False where a program or a buffer
-// could not be had.
+// What each pixel sees.  The scene block is bound, and the sample's part of a
+// map of cells (cells.glsl), cleared: it gets to know where the head is.  False
+// where a program or a buffer could not be had.
 bool raster_see(struct raster *r, const struct raster_view *v,
                 struct error *err);
+// Then: runs a program that begins with raster_work.glsl for every pixel that
+// sees a segment.
+void raster_pixels(const struct raster *r, unsigned program);
 
 #endif

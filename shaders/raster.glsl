@@ -8,8 +8,7 @@ layout(binding = 18) uniform samplerBuffer raster_points; // as points[]
 // its minor axis: a strand's share stays under 1 for every slope.
 const float THIN_BELOW = 0.7;
 
-// What no segment is: pixels that see the head, or nothing.
-const uint RASTER_HEAD = 0xfffffffeu, RASTER_NONE = 0xffffffffu;
+const uint RASTER_NONE = 0xffffffffu; // what no segment is
 
 struct Lie {
     bool seen;     // some of it is in front of the near plane
@@ -20,12 +19,6 @@ struct Lie {
     vec2 depth;    // near / w there
     vec2 at;       // 0..1 on the segment, there
 };
-
-vec2 jittered_pixel(vec3 c)
-{
-    precise vec2 p = ((c.xy / c.z + jitter.xy) * 0.5 + 0.5) * size.xy;
-    return p;
-}
 
 Lie lie_of(uint segment)
 {
@@ -45,9 +38,13 @@ Lie lie_of(uint segment)
     l.at = vec2(l.cut.x ? t : 0.0, l.cut.y ? t : 1.0);
     c0 = l.cut.x ? c : c0;
     c1 = l.cut.y ? c : c1;
-    l.depth = size.w / vec2(c0.z, c1.z);
-    l.a = jittered_pixel(c0);
-    l.b = jittered_pixel(c1);
+    precise vec2 over = 1.0 / vec2(c0.z, c1.z), half_size = 0.5 * size.xy;
+    precise vec2 depth = size.w * over;
+    precise vec2 pa = (c0.xy * over.x + jitter.xy) * half_size + half_size;
+    precise vec2 pb = (c1.xy * over.y + jitter.xy) * half_size + half_size;
+    l.depth = depth;
+    l.a = pa;
+    l.b = pb;
     return l;
 }
 

@@ -3,6 +3,7 @@
 // grow from it, and what it hides need not be looked at again.
 #include "raster.glsl"
 #include "raster_work.glsl"
+#include "cells.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(location = 1) uniform uvec4 window; // first column and row, how many
 
@@ -35,7 +36,6 @@ void main()
     float depth = head_seen(vec2(pixel) + 0.5);
     if (depth <= 0.0)
         return;
-    uint at = pixel.y * uint(size.x) + pixel.x;
-    depth_seen[at] = floatBitsToUint(depth);
-    seen_id[at] = RASTER_HEAD;
+    depth_seen[pixel.y * uint(size.x) + pixel.x] = floatBitsToUint(depth);
+    map[map_place(pixel)] = 1u;
 }

@@ -32,30 +32,18 @@ const uint WINDOW_BITS = 9u, WHOLE = 511u;
 const int WINDOW = 32, LONG = 48;
 
 Lie lie;
-vec2 way, opacity; // of way_of; at the segment's ends
-float drawn;       // this strand's number in this sample: kept if below
-float slope;       // of a line: its length a pixel
+vec2 kept;   // share of the samples, in which its ends are kept
+float drawn; // this strand's number in this sample: kept if below
 uint segment = 0u, window = WHOLE;
 bool won = false;
 
-void cover(ivec2 pixel)
+// A pixel that the segment covers, at some depth.
+void cover(uint at, float depth)
 {
-    float s = foot_of(lie, way, vec2(pixel) + 0.5);
-    float depth = depth_of(lie, s), along = along_of(lie, s, depth);
-    float share = mix(opacity.x, opacity.y, along);
-#ifndef WIDE
-    // A line makes max(|dx|, |dy|) fragments where a ribbon covers width x
-    // length pixels: the quotient is the share to keep.
-    float width = mix(lie.diameter.x, lie.diameter.y, along) * depth;
-    share *= min(width * (size.z / size.w) * slope, 1.0);
-#endif
-    if (drawn >= share)
-        return;
-    uint at = uint(pixel.y) * uint(size.x) + uint(pixel.x);
     uint mine = floatBitsToUint(depth);
 #ifdef SETTLE
-    if (mine == depth_seen[at])
-        atomicMin(seen_id[at], segment);
+    if (mine == depth_seen[at] && atomicMin(seen_id[at], segment) == RASTER_NONE)
+        list_entry(PIXELS, at, 1u);
 #else
     if (mine >= depth_seen[at] && mine >= atomicMax(depth_seen[at], mine))
         won = true;
@@ -104,27 +92,34 @@ int first_from(float x, int most)
     return int(ceil(clamp(x, 0.0, float(most)) - 0.5));
 }
 
+// Share and depth are linear in pixels.
 #ifndef WIDE
 void walk()
 {
     vec2 d = lie.b - lie.a;
     bool steep = abs(d.y) > abs(d.x);
     ivec2 extent = ivec2(size.xy), high = steep ? extent.yx : extent;
+    uvec2 stride = steep ? uvec2(extent.x, 1) : uvec2(1, extent.x);
     vec2 a = steep ? lie.a.yx : lie.a, b = steep ? lie.b.yx : lie.b;
-    float tilt = a.x != b.x ? (b.y - a.y) / (b.x - a.x) : 0.0;
-    slope = sqrt(1.0 + tilt * tilt);
+    float over = a.x != b.x ? 1.0 / (b.x - a.x) : 0.0;
+    float tilt = (b.y - a.y) * over;
+    // A line makes max(|dx|, |dy|) fragments where a ribbon covers width x
+    // length pixels: the quotient is the share to keep.
+    vec2 width = mix(lie.diameter.xx, lie.diameter.yy, lie.at) * lie.depth;
+    kept *= min(width * sqrt(1.0 + tilt * tilt) * (size.z / size.w), 1.0);
     int first = first_from(min(a.x, b.x), high.x);
     int end = first_from(max(a.x, b.x), high.x);
-    float widest = max(lie.diameter.x, lie.diameter.y) *
-                   max(lie.depth.x, lie.depth.y) * (size.z / size.w);
-    if (drawn >= 1.001 * max(opacity.x, opacity.y) * slope * widest)
+    if (drawn >= max(kept.x, kept.y))
         end = first; // no pixel of it would be kept
     cut(first, end);
+    float kept_step = (kept.y - kept.x) * over;
+    precise float depth_step = (lie.depth.y - lie.depth.x) * over;
     for (int u = first; u < end; u++) {
-        float v = a.y + (float(u) + 0.5 - a.x) * tilt;
-        int w = int(floor(clamp(v, -1.0, float(high.y))));
-        if (w >= 0 && w < high.y)
-            cover(steep ? ivec2(w, u) : ivec2(u, w));
+        precise float t = float(u) + 0.5 - a.x;
+        precise float depth = lie.depth.x + t * depth_step;
+        int v = int(floor(clamp(a.y + t * tilt, -1.0, float(high.y))));
+        if (v >= 0 && v < high.y && drawn < kept.x + t * kept_step)
+            cover(uint(u) * stride.x + uint(v) * stride.y, depth);
     }
 }
 #else
@@ -185,7 +180,7 @@ void walk()
     vec2 high = max(max(a0, a1), max(b0, b1));
     int x0 = first_from(low.x, extent.x), x1 = first_from(high.x, extent.x);
     int y0 = first_from(low.y, extent.y), y1 = first_from(high.y, extent.y);
-    if (drawn >= max(opacity.x, opacity.y))
+    if (drawn >= max(kept.x, kept.y))
         y1 = y0; // no pixel of it would be kept
     bool flat_lying = x1 - x0 > y1 - y0;
     int first = flat_lying ? x0 : y0, end = flat_lying ? x1 : y1;
@@ -208,6 +203,9 @@ void walk()
         y0 = first;
         y1 = end;
     }
+    vec2 way = way_of(lie);
+    uint row = 0u;
+    precise float at_row = 0.0; // how far along is the row's first pixel?
     int y = y0 - 1, x = 0, until = 0;
     if (x1 <= x0)
         y = y1;
@@ -222,9 +220,13 @@ void walk()
             meet(right_side, middle, limits);
             x = max(x0, first_from(limits.x, extent.x));
             until = y < y1 ? min(x1, first_from(limits.y, extent.x)) : 0;
+            row = uint(y) * uint(extent.x);
+            at_row = (0.5 - lie.a.x) * way.x + (middle - lie.a.y) * way.y;
         }
-        if (x < until)
-            cover(ivec2(x, y));
+        precise float s = clamp(at_row + float(x) * way.x, 0.0, 1.0);
+        precise float depth = depth_of(lie, s);
+        if (x < until && drawn < kept.x + s * (kept.y - kept.x))
+            cover(row + uint(x), depth);
         x++;
     }
 }
@@ -242,8 +244,8 @@ void main()
     if (!lie.seen || (middle < THIN_BELOW) != (KIND == 0u))
         return;
     drawn = keep_draw(strand_of[segment], sample_index.x);
-    opacity = vec2(opacity_at(segment), opacity_at(segment + 1u));
-    way = way_of(lie);
+    kept = mix(vec2(opacity_at(segment)), vec2(opacity_at(segment + 1u)),
+                lie.at);
     walk();
 #ifndef SETTLE
     if (won)

@@ -3,13 +3,14 @@ layout(std430, binding = 13) buffer Depths { uint depth_seen[]; }; // near / w
 layout(std430, binding = 14) buffer Seen { uint seen_id[]; };
 // Lists, two of a kind, for lines (0) and for ribbons (1): groups of segments
 // that may be seen, windows of long segments, and what was nearest somewhere
-// when it was met.
+// when it was met.  Then one of the pixels that see a segment.
 layout(std430, binding = 3) buffer Work {
-    uvec4 work[6]; // groups of 64 along x, y, z for a list's entries; entries
+    uvec4 work[7]; // groups of 64 along x, y, z for a list's entries; entries
     uint entry[];
 };
 const uint RASTER_GROUP = 8u; // segments, RASTER_GROUP of raster.h
 const uint GROUPS = 0u, WINDOWS = 2u, NEAREST = 4u; // + line or ribbon
+const uint PIXELS = 6u;
 const uint RASTER_ROW = 64u; // groups along x
 layout(location = 0) uniform uvec3 raster_room; // entries of a list of a kind
 
@@ -23,6 +24,8 @@ uint entry_of(uint list, uint n)
     if (list < NEAREST)
         return 2u * raster_room.x + which * raster_room.y + n;
     uint from = 2u * (raster_room.x + raster_room.y);
+    if (list == PIXELS)
+        return from + raster_room.z + n;
     return which == 0u ? from + n : from + raster_room.z - 1u - n;
 }
 

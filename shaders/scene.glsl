@@ -64,3 +64,11 @@ vec3 tangent_at(uint i)
     float n = dot(d, d);
     return n > 0.0 ? d * inversesqrt(n) : vec3(0.0, 0.0, -1.0);
 }
+
+// A pixel's place in the sample's map of cells.  Rows are bottom first in the
+// raster, top first in everything after.
+uint map_place(uvec2 pixel)
+{
+    uint row = uint(size.y) - 1u - pixel.y;
+    return sample_index.w + row * uint(size.x) + pixel.x;
+}
