@@ -50,7 +50,9 @@ void front_print_knobs(struct buf *out, const double knob[FRONT_KNOBS],
         if (knob[k] == from[k])
             continue;
         front_put(&p, k, knob[k]);
-        buf_printf(out, "%s%s=", blank, front_knob_names[k]);
+        buf_text(out, blank);
+        buf_text(out, front_knob_names[k]);
+        buf_byte(out, '=');
         edit_print(out, &p, row_of(k));
         blank = " ";
     }
