@@ -178,6 +178,7 @@ bool renderer_set_groom(struct renderer *r, struct groom *g, struct error *err)
     r->groom = g;
     strands_finish(&r->strands);
     r->strands = built;
+    r->strands.watch = &r->watch; // from now on
     r->grid_stale = true;
     forget_first(r);
     r->first[0].ms[RENDERER_STRANDS] = 1e3 * (timer_now() - began);

@@ -128,7 +128,7 @@ static bool shade_it(struct renderer *r)
         r->shading.shadowed == renderer_shadowed(r))
         return true;
     const double began = timer_now();
-    renderer_shade_by(r, s);
+    renderer_shade_by(r, s, true);
     r->stats.stage_ms[RENDERER_FIBRE] = 1e3 * (timer_now() - began);
     return true;
 }

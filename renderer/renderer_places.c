@@ -187,8 +187,8 @@ bool renderer_places(struct renderer *r, size_t want, uint64_t seed,
 
 void renderer_scene(const struct renderer *r, struct reference_scene *out)
 {
-    *out = (struct reference_scene){r->groom, r->map, &r->fit, &r->params,
-                                    FIBRE_EXACT, NULL};
+    *out = (struct reference_scene){r->groom,   r->map,      &r->fit,
+                                    &r->params, FIBRE_EXACT, NULL};
 }
 
 static bool scene_of(const struct renderer *r, enum fibre_model model,

@@ -115,8 +115,9 @@ int renderer_rays(const struct renderer *r);
 
 // The stages light and tint, of another fit than the one asked for.
 void renderer_light_by(struct renderer *r, struct sky_fit *fit);
-// The stage fibre, but for the axis of the strands.
-void renderer_shade_by(struct renderer *r, const struct strands *s);
+// The stage fibre, but for the axis of the strands; draft: with the tables of
+// render.tables that are there.
+void renderer_shade_by(struct renderer *r, const struct strands *s, bool draft);
 // Fills directions for the lights as they stand; returns how many.
 int renderer_crossings_lights(const struct renderer *r,
                               struct crossings_light out[LIGHTS_MAX]);

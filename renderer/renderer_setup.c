@@ -195,10 +195,13 @@ static void choose_path(struct renderer *r)
         raster_drop(&r->picture.raster);
 }
 
-void renderer_shade_by(struct renderer *r, const struct strands *s)
+void renderer_shade_by(struct renderer *r, const struct strands *s, bool draft)
 {
+    struct params p = r->params;
+    if (draft && r->shading.tables) // others take up to half a second
+        p.render.tables = r->shading.tables->times;
     choose_path(r);
-    shading_update(&r->shading, &r->params, s, renderer_shadowed(r));
+    shading_update(&r->shading, &p, s, renderer_shadowed(r));
     r->draft.shading = true;
     r->draft.coloured = s->colour != 0;
 }
@@ -208,7 +211,7 @@ bool renderer_setup_fibre(struct renderer *r, struct error *err)
     if (shading_wants_axis(&r->params) &&
         !strands_build_axis(&r->strands, r->groom, err))
         return false;
-    renderer_shade_by(r, &r->strands);
+    renderer_shade_by(r, &r->strands, false);
     return true;
 }
 

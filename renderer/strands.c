@@ -302,8 +302,13 @@ bool strands_build_axis(struct strands *s, const struct groom *g,
     if (s->axis)
         return true;
     uint32_t *axis = bytes_zalloc(g->points, sizeof *axis);
-    strands_axes(g, s->up, axis);
-    bool ok = upload(&s->axis, axis, (size_t)g->points * 4, "strand axis", err);
+    for (uint32_t k = 0; k < g->strands; k++) {
+        if (k % LOOK_EVERY == 0 && watch_cut(s->watch))
+            break;
+        strand_axes(s->up, g, k, axis);
+    }
+    bool ok = !watch_cut(s->watch) &&
+              upload(&s->axis, axis, (size_t)g->points * 4, "strand axis", err);
     free(axis);
     if (!ok) {
         gl.DeleteBuffers(1, &s->axis);

@@ -31,7 +31,7 @@ struct strands { // zero-initialised is empty
     bool has_head;
     float head_centre[3], head_radius[3]; // world
     uint64_t bytes;
-    struct watch *watch; // NULL, or cuts strands_build, which then is false
+    struct watch *watch; // NULL, or cuts what is built, which then is false
 };
 
 // Neighbouring segments, of which a raster wants to know at once whether any of

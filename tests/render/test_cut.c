@@ -50,6 +50,10 @@ static void voxels(struct params *p, int k)
 {
     p->shadow.resolution = 32 + 4 * (k % 3);
 }
+static void elliptic(struct params *p, int k)
+{
+    p->fibre.a = 0.9f + 0.01f * (float)(k % 9);
+}
 static void unshadowed(struct params *p, int k)
 {
     p->shadow.method = k % 2;
@@ -60,9 +64,10 @@ static const struct edit {
     void (*run)(struct params *p, int k);
     int most; // looks at least that a first picture of it takes
 } edits[] = {
-    {"fibre", fibre, 2},        {"camera", camera, 4}, {"sky", sky, 30},
-    {"lights", lights, 10},     {"hair", hair, 30},    {"voxels", voxels, 30},
-    {"shadows", unshadowed, 1},
+    {"fibre", fibre, 2},       {"camera", camera, 4},
+    {"sky", sky, 30},          {"lights", lights, 10},
+    {"hair", hair, 30},        {"voxels", voxels, 30},
+    {"elliptic", elliptic, 2}, {"shadows", unshadowed, 1},
 };
 enum { EDITS = sizeof edits / sizeof edits[0] };
 
