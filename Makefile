@@ -157,7 +157,7 @@ bench: all
 	    $(if $(findstring --quick,$(ARGS)),,--scenes $(BENCH_SCENES)) \
 	    $(ARGS) > $(B)/bench.jsonl
 # What a governor chooses among, measured anew: server/front.txt, which ships with
-# the program.  A quarter of an hour on two quiet cores.
+# the program.  Minutes a scene: ponytail takes 130 s of processor time.
 .PHONY: front
 front: all
 	$(B)/glintd bench --front server/front.txt $(ARGS) > $(B)/front.jsonl
