@@ -151,6 +151,62 @@ static void sizes(void)
     CHECK(how.stride == 16);
 }
 
+// What a resting camera sees is taken where its size serves; else there is a
+// raster, or the camera's own coarser one while that is near enough.
+static void seen(void)
+{
+    struct haste h = known(&usual);
+    struct haste_ask a = ask(33, 480);
+    struct renderer_draft how;
+    double ms[RENDERER_STAGES];
+    forecast(&usual, FIBRE, ms);
+    a.resting = true;
+    CHECK(haste_choose(&h, ms, &a, &how) && how.stride == 1);
+    const int d = how.divisor;
+    CHECK(!haste_settled(&h, ms, &how));
+    take(&h, &usual, FIBRE, &how);
+    CHECK(haste_choose(&h, ms, &a, &how) && how.divisor == d);
+    take(&h, &usual, FIBRE, &how);
+    CHECK(haste_settled(&h, ms, &how));
+    a.resting = false;
+    CHECK(haste_choose(&h, ms, &a, &how) && how.stride == h.stride);
+    a.seen_count = 2;
+    a.seen[0] = (struct renderer_draft){.divisor = 2 * d, .stride = 4};
+    a.seen[1] = (struct renderer_draft){.divisor = d, .stride = 1};
+    CHECK(haste_choose(&h, ms, &a, &how));
+    CHECK(how.divisor == d && how.stride == 1);
+    a.seen_count = 1;
+    CHECK(haste_choose(&h, ms, &a, &how));
+    CHECK(how.divisor == 2 * d && how.stride == 4);
+    a.seen[0].divisor = 2 * d + 1; // too coarse to be taken for it
+    CHECK(haste_choose(&h, ms, &a, &how) && how.divisor <= 2 * d);
+    a.seen[0] = (struct renderer_draft){.divisor = 1, .stride = 1}; // too slow
+    CHECK(haste_choose(&h, ms, &a, &how) && how.divisor > 1);
+    forecast(&usual, CAMERA, ms); // nothing is seen of another camera
+    a.seen[0] = (struct renderer_draft){.divisor = 16, .stride = 16};
+    CHECK(haste_choose(&h, ms, &a, &how) && how.stride == h.stride);
+}
+
+// Hair that is made anew for each draft: fewer strands than a camera needs, but
+// none wider than two pixels of the draft.
+static void hair(void)
+{
+    struct haste h = known(&usual);
+    struct haste_ask a = ask(33, 480);
+    struct renderer_draft how;
+    double ms[RENDERER_STAGES];
+    forecast(&usual, CAMERA, ms);
+    CHECK(haste_choose(&h, ms, &a, &how) && how.stride == 2);
+    ms[RENDERER_CROSSINGS] = 500;
+    ms[RENDERER_STRANDS] = 60; // 60 / 16 is below .15 x 33
+    CHECK(haste_choose(&h, ms, &a, &how) && how.stride == 16);
+    a.width_pixels = 4;
+    CHECK(haste_choose(&h, ms, &a, &how));
+    CHECK(how.stride * a.width_pixels <= 2 * how.divisor);
+    a.width_pixels = 1000; // a close-up: all of them
+    CHECK(haste_choose(&h, ms, &a, &how) && how.stride == 1);
+}
+
 int main(void)
 {
     check_case("a full frame within the budget");
@@ -164,5 +220,9 @@ int main(void)
     stride();
     check_case("small and large pictures");
     sizes();
+    check_case("what is seen already");
+    seen();
+    check_case("hair that moves");
+    hair();
     return check_end();
 }
