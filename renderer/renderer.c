@@ -160,6 +160,8 @@ void renderer_mark(struct renderer *r, enum renderer_stage first)
     for (int i = 0; i < RENDERER_STAGES; i++)
         if (marked & BIT(i))
             r->stale[i] = true;
+    if (marked & BIT(RENDERER_SHADOW))
+        shading_forget(&r->shading);
     if (marked & BIT(RENDERER_RESOLVE))
         restart(r, false);
     renderer_draft_mark(r, first);

@@ -139,7 +139,9 @@ static bool sample(struct renderer *r, struct params *p, struct error *err)
     r->refined = false;
     SWAP(struct params, r->params, *p);
     find_widths(r, r->picture.height);
+    r->drafting = true; // few places: tables of each light would cost more
     const bool ok = renderer_sample(r, err);
+    r->drafting = false;
     SWAP(struct params, r->params, *p);
     exchange(r);
     lend(&r->picture, &d->now->picture);

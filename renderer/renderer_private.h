@@ -52,6 +52,7 @@ struct renderer {
     unsigned places; // program of renderer_places.c; 0: not asked for yet
     bool stale[RENDERER_STAGES]; // of those that set up
     bool idle;                   // set by a stage that found nothing to do
+    bool drafting;               // this sample is a draft's
     int samples;                 // in the picture's sum
     bool refined;                // the picture's shadows are by rays
     struct renderer_stats stats;

@@ -99,9 +99,26 @@ static bool run_parts(struct renderer *r, const struct parts *p,
     return true;
 }
 
+// A draft has too few places for tables of each light to pay, and parts of a
+// picture are to add up to it.
+static struct shading_sample sample_of(const struct renderer *r, int k,
+                                       const struct nodes_store *nodes,
+                                       uint32_t from)
+{
+    const bool modes = r->layers.on || r->drafting;
+    return (struct shading_sample){
+        .part = k,
+        .nodes = nodes,
+        .from = from,
+        .lights = modes ? NULL : &r->lights,
+        .picture = &r->picture,
+        .again = k == 0 && (!nodes || nodes == &r->nodes.first),
+    };
+}
+
 static bool shade_all(struct renderer *r, int k, struct error *err)
 {
-    const struct shading_sample how = {.part = k};
+    const struct shading_sample how = sample_of(r, k, NULL, 0);
     if (!shading_bind(&r->shading, &r->strands, &how, err))
         return false;
     picture_dispatch(&r->picture);
@@ -111,7 +128,7 @@ static bool shade_all(struct renderer *r, int k, struct error *err)
 static bool shade_part(struct renderer *r, const struct parts *p, uint32_t from,
                        uint32_t count, struct error *err)
 {
-    const struct shading_sample how = {p->k, p->nodes, from};
+    const struct shading_sample how = sample_of(r, p->k, p->nodes, from);
     if (!shading_bind(&r->shading, &r->strands, &how, err))
         return false;
     picture_dispatch_some(&r->picture, count);

@@ -41,6 +41,8 @@ void shading_finish(struct shading *s)
     best_lobes_destroy(s->lobes);
     dual_tables_destroy(s->dual);
     fast_tables_destroy(s->fast);
+    lit_tables_destroy(s->lit);
+    gl.DeleteProgram(s->mark);
     memset(s, 0, sizeof *s);
 }
 
@@ -136,6 +138,7 @@ static void choose_components(struct shading *s, int shown)
     s->share[0] = shown == 0 || shown == LAST_SINGLE + 1;
     s->share[1] = shown == 0 || shown == LAST_SINGLE + 2;
     s->adds_up = shown <= LAST_LIGHT;
+    s->whole = shown == 0;
 }
 
 bool shading_adds_up(const struct params *p)
@@ -210,6 +213,10 @@ static void update_fast(struct shading *s, const struct params *p)
     fast_tables_update(s->fast, &f);
     if (s->multiple)
         fast_tables_forward(s->fast, s->dual);
+    if (!s->lit)
+        s->lit = lit_tables_create();
+    const struct lit_fibre lit = {f, s->opaque, s->multiple};
+    lit_tables_fibre(s->lit, &lit);
 }
 
 void shading_show(struct shading *s, const struct params *p,
@@ -300,14 +307,93 @@ void shading_bind_inputs(struct shading *s, unsigned program,
         dual_tables_bind(s->dual);
 }
 
+void shading_forget(struct shading *s)
+{
+    if (s->lit)
+        lit_tables_forget(s->lit);
+}
+
+// Does an edit of the fibre shade the same places once more, so that it pays to
+// find out what they read?  Not where shadows are looked up as they are shaded:
+// that takes longer.
+static bool finds_again(const struct shading *s,
+                        const struct shading_sample *how)
+{
+    return how->again && (how->nodes || !s->shadowed);
+}
+
+// Marks what cells of lights' tables the places read.
+static bool mark_places(struct shading *s, const struct strands *strands,
+                        const struct shading_sample *how, const char *defines,
+                        struct error *err)
+{
+    if (!s->mark || strcmp(s->mark_defines, defines) != 0) {
+        unsigned program = program_compute("lit_mark.comp", defines, err);
+        if (!program)
+            return false;
+        gl.DeleteProgram(s->mark);
+        s->mark = program;
+        snprintf(s->mark_defines, sizeof s->mark_defines, "%s", defines);
+    }
+    lit_tables_mark(s->lit, s->mark);
+    gl.UseProgram(s->mark);
+    gl.ProgramUniform1ui(s->mark, PART_LOCATION, (GLuint)how->part);
+    shading_bind_inputs(s, s->mark, strands, how->nodes);
+    if (how->nodes)
+        picture_dispatch_some(how->picture, how->nodes->stride);
+    else
+        picture_dispatch(how->picture);
+    gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    return true;
+}
+
+// The sizes of the tables of these lights.
+static bool plan_lit(struct shading *s, const struct lights *l,
+                     struct error *err)
+{
+    float lambda[LIGHTS_MAX];
+    for (int j = 0; j < l->used; j++)
+        lambda[j] = l->place[j].lambda;
+    return lit_tables_lights(s->lit, lambda, l->used, err);
+}
+
+// Marks and records where it pays to make them, and what to define.
+static bool light_places(struct shading *s, const struct strands *strands,
+                         const struct shading_sample *how,
+                         char defines[SHADING_DEFINES], struct error *err)
+{
+    if (!plan_lit(s, how->lights, err))
+        return false;
+    add(defines, lit_tables_rest(s->lit) ? "LIT LIT_REST" : "LIT");
+    if (!finds_again(s, how))
+        return true;
+    const bool marked = lit_tables_marked(s->lit);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, strands->position);
+    if (!marked &&
+        !lit_tables_keep(s->lit, how->nodes ? how->nodes->stride : 0, err))
+        return false;
+    if (lit_tables_kept(s->lit) > 0)
+        add(defines, "LIT_KEPT");
+    return marked || mark_places(s, strands, how, defines, err);
+}
+
 bool shading_bind(struct shading *s, const struct strands *strands,
                   const struct shading_sample *how, struct error *err)
 {
     char defines[SHADING_DEFINES];
+    const bool lit = s->tabled && s->whole && how->lights;
     shading_defines(s, how->nodes, defines);
+    if (lit && !light_places(s, strands, how, defines, err))
+        return false;
     unsigned program = program_of(s, defines, err);
     if (!program || (s->tabled && !fast_tables_bind(s->fast, err)))
         return false;
+    if (lit) {
+        shading_bind_inputs(s, program, strands, how->nodes);
+        if (!lit_tables_make(s->lit, !finds_again(s, how), err))
+            return false;
+        lit_tables_read(s->lit, program);
+    }
     gl.UseProgram(program);
     gl.ProgramUniform1ui(program, PART_LOCATION, (GLuint)how->part);
     gl.ProgramUniform1ui(program, FROM_LOCATION, how->from);

@@ -11,6 +11,8 @@
 #include "renderer/best_lobes.h"
 #include "renderer/dual_tables.h"
 #include "renderer/fast_tables.h"
+#include "renderer/lights.h"
+#include "renderer/lit_tables.h"
 #include "renderer/nodes.h"
 #include "renderer/strands.h"
 #include "renderer/xu_tables.h"
@@ -33,6 +35,9 @@ struct shading {
     int m; // segments, where the program has them as a uniform
     struct dual_tables *dual; // made when it is first asked for
     struct fast_tables *fast; // the same
+    struct lit_tables *lit;   // the same
+    unsigned mark;            // program of mark_defines; 0: none
+    char mark_defines[SHADING_DEFINES];
     const char *refused;      // why tables were asked for in vain, or NULL
     bool circular, opaque, shadowed, multiple;
     bool tabled;         // render.path=table, and the tables hold
@@ -41,6 +46,7 @@ struct shading {
     float mask[3];       // R, TT, TRT shown
     float share[2];      // global, local multiple scattering shown
     bool adds_up;        // what is shown is a sum over lights
+    bool whole;          // ... of all that there is
 };
 
 void shading_init(struct shading *s);
@@ -62,7 +68,16 @@ struct shading_sample {
     int part; // of the list of cells, as picture_prepare had it
     const struct nodes_store *nodes; // transmittances; NULL: looked up here
     uint32_t from;                   // the first cell of that part
+    // Where all modes may be read from tables of each light (lit_tables.h): the
+    // lights, and the picture whose places are shaded.  NULL: mode by mode.
+    const struct lights *lights;
+    const struct picture *picture;
+    bool again; // the same places as ever since shading_forget
 };
+
+// The places that a first sample sees, or what of the lights reaches them, have
+// changed.
+void shading_forget(struct shading *s);
 
 // Binds program (compiled when it is new), block, tables and strands for
 // picture_dispatch.

@@ -29,10 +29,8 @@ float fast_byte(uint bits, int shift)
     return float(int(bits << shift) >> 24) * FAST_BYTE;
 }
 
-FastCell fast_rgb(uint mode, uint cell)
+FastCell fast_open(uvec4 a, uvec4 b)
 {
-    int at = int(2u * (mode * FAST_CELLS + cell));
-    uvec4 a = texelFetch(fast_cells, at), b = texelFetch(fast_cells, at + 1);
     FastCell f;
     f.c = vec3(fast_high(a.x), fast_low(a.x), fast_high(a.y));
     f.d = vec3(fast_low(a.y), fast_high(a.z), fast_low(a.z));
@@ -45,6 +43,12 @@ FastCell fast_rgb(uint mode, uint cell)
     f.dp = fast_byte(b.w, 8);
     f.lp = fast_byte(b.w, 16);
     return f;
+}
+
+FastCell fast_rgb(uint mode, uint cell)
+{
+    int at = int(2u * (mode * FAST_CELLS + cell));
+    return fast_open(texelFetch(fast_cells, at), texelFetch(fast_cells, at + 1));
 }
 
 FastCell fast_grey(uint cell)
@@ -157,11 +161,11 @@ FastLong fast_long(Fibre f, Srbf light, float theta_o)
     return g;
 }
 
-// M_t(omega_j, lambda_j) of eq 11.
-void fast_modes(Fibre f, Srbf light, float theta_o, float across, out vec3 R,
-                out vec3 TT, out vec3 TRT)
+// M_t(omega_j, lambda_j) of eq 11; fast_modes_at: of what does not change with
+// Phi.
+void fast_modes_at(FastLong g, float across, out vec3 R, out vec3 TT,
+                   out vec3 TRT)
 {
-    FastLong g = fast_long(f, light, theta_o);
     FastAt a = fast_at(g.theta_d.x, g.l.x, across);
     R = vec3(max(fast_sum(fast_grey(a.cell), a, g.m, 0).x, 0.0));
     TT = TRT = vec3(0.0);
@@ -171,6 +175,12 @@ void fast_modes(Fibre f, Srbf light, float theta_o, float across, out vec3 R,
     a = fast_at(g.theta_d.z, g.l.z, across);
     TRT = max(fast_sum(fast_rgb(1u, a.cell), a, g.m, 2), 0.0);
 #endif
+}
+
+void fast_modes(Fibre f, Srbf light, float theta_o, float across, out vec3 R,
+                out vec3 TT, out vec3 TRT)
+{
+    fast_modes_at(fast_long(f, light, theta_o), across, R, TT, TRT);
 }
 
 // --- multiple scattering ---------------------------------------------

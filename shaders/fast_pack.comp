@@ -2,6 +2,7 @@
 // From values to cells: gradient and second derivatives by differences between
 // neighbours, packed as fast.glsl reads them.
 #include "fast_size.glsl"
+#include "fast_bits.glsl"
 layout(local_size_x = 64) in;
 layout(binding = 20) uniform samplerBuffer value;
 layout(std430, binding = 15) writeonly buffer Cells { uvec4 cells[]; };
@@ -65,38 +66,22 @@ vec3 across(ivec3 i, ivec3 s, ivec3 t)
     return area > 0 ? d / float(area) : vec3(0.0);
 }
 
-uint bf16(float x)
-{
-    uint bits = floatBitsToUint(x);
-    return (bits + 0x7fffu + (bits >> 16 & 1u)) >> 16;
-}
-
-uint two(float high, float low)
-{
-    return bf16(high) << 16 | bf16(low);
-}
-
-uint byte_of(float x)
-{
-    return uint(int(round(clamp(x, -2.0, 2.0) * (1.0 / FAST_BYTE)))) & 255u;
-}
-
 struct Second { // of R, TT, TRT, in units of the value
     vec3 dd, ll, pp, dl, dp, lp;
 };
 
 uvec2 second_bits(Second s, int mode)
 {
-    return uvec2(bf16(s.dd[mode]) << 16 | byte_of(s.ll[mode]) << 8 |
-                     byte_of(s.pp[mode]),
-                 byte_of(s.dl[mode]) << 24 | byte_of(s.dp[mode]) << 16 |
-                     byte_of(s.lp[mode]) << 8);
+    return uvec2(fast_bf16(s.dd[mode]) << 16 | fast_byte_of(s.ll[mode]) << 8 |
+                     fast_byte_of(s.pp[mode]),
+                 fast_byte_of(s.dl[mode]) << 24 | fast_byte_of(s.dp[mode]) << 16 |
+                     fast_byte_of(s.lp[mode]) << 8);
 }
 
 void put_rgb(uint to, vec3 c, vec3 d, vec3 l, vec3 p, uvec2 second)
 {
-    cells[to] = uvec4(two(c.x, c.y), two(c.z, d.x), two(d.y, d.z), two(l.x, l.y));
-    cells[to + 1u] = uvec4(two(l.z, p.x), two(p.y, p.z), second);
+    cells[to] = uvec4(fast_two(c.x, c.y), fast_two(c.z, d.x), fast_two(d.y, d.z), fast_two(l.x, l.y));
+    cells[to + 1u] = uvec4(fast_two(l.z, p.x), fast_two(p.y, p.z), second);
 }
 
 void main()
@@ -129,6 +114,6 @@ void main()
     put_rgb(2u * n, c.a.xyz, d.a.xyz, l.a.xyz, p.a.xyz, second_bits(s, 1));
     put_rgb(2u * (FAST_CELLS + n), c.b.xyz, d.b.xyz, l.b.xyz, p.b.xyz,
             second_bits(s, 2));
-    cells[4u * FAST_CELLS + n] = uvec4(two(c.a.w, d.a.w), two(l.a.w, p.a.w),
+    cells[4u * FAST_CELLS + n] = uvec4(fast_two(c.a.w, d.a.w), fast_two(l.a.w, p.a.w),
                                        second_bits(s, 0));
 }

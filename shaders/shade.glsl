@@ -122,6 +122,9 @@ vec3 field(Place c, uint at)
 
 #ifdef FAST
 #include "shade_fast.glsl"
+#ifdef LIT
+#include "shade_lit.glsl"
+#endif
 #else
 #ifdef WITH_MULTIPLE
 // Light that was scattered on its way or is scattered back by the hair around.
@@ -194,6 +197,8 @@ vec3 shade_seen(Place c, uint at, uint first, uint end)
     uint h = strand_of[c.segment] * 0x9e3779b9u;
     h = (h ^ (h >> 15)) * 0x85ebca6bu;
     return vec3(uvec3(h, h >> 8, h >> 16) & 255u) / 255.0;
+#elif defined(LIT)
+    return shade_lit(c, at, first, end);
 #elif defined(FAST)
     return shade_fast(c, at, first, end);
 #else

@@ -16,6 +16,11 @@ void main()
         return;
     entry += nodes_begin;
 #endif
+#ifdef LIT_KEPT
+    entry -= at;
+    at = lit_unsorted(at);
+    entry += at;
+#endif
     if (entry >= list_end[kept])
         return;
     uint slot = list[entry];

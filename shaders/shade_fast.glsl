@@ -1,5 +1,6 @@
 // shade_fast.glsl - shade.glsl's sum over lights, where tables light a place.
 #include "fast.glsl"
+#include "fast_near.glsl"
 #ifdef WITH_SINGLE
 #include "fast_grazing.glsl"
 #endif
@@ -29,25 +30,6 @@ FastLight fast_light(FastPlace p, vec4 place)
 }
 
 #ifdef WITH_MULTIPLE
-// As dual_back_direct, with the mean of cos theta_i and of what the circular
-// Gaussian has more to second order and I_0 by a quotient (5e-3).
-vec3 fast_near(DualView v, FastLight l)
-{
-    float light2 = l.lobe.lambda * l.lobe.lambda;
-    float w2 = dot(v.width2, vec3(1.0 / 3.0)), part = light2 / (light2 + w2);
-    float x = (dot(v.centre, vec3(1.0 / 3.0)) - l.lobe.theta) * part;
-    float l2 = w2 * part, x2 = x * x;
-    float cos_i = special_cos(clamp(l.lobe.theta + x, -XU_HALF_PI, XU_HALF_PI));
-    float more = (x2 * (x2 + 3.0 * l2) + 0.75 * l2 * l2) / (12.0 * light2);
-    float lit = cos_i * (1.0 + min(more, 1.0)) * (1.0 - 0.25 * l2);
-    float k = 2.0 * cos_i * l.cos_j / light2;
-    float i0e = sqrt((1.0 + k * (0.50839 + 1.0023 * k)) /
-                     (1.0 + k * (2.81076 + k * (1.57011 + 6.29764 * k))));
-    return dual_back(v, l.lobe.theta, vec3(light2)) *
-           (3.5449077 * l.lobe.lambda * lit * i0e *
-            dual_half_share(k, i0e, l.cos_phi));
-}
-
 // As scattered() of shade.glsl.
 vec3 fast_scattered(FastPlace p, FastLight l, vec4 g, float omega, DualView view)
 {
@@ -60,7 +42,7 @@ vec3 fast_scattered(FastPlace p, FastLight l, vec4 g, float omega, DualView view
     vec3 global = fast_global(p.fibre, p.theta_o, l.lobe.theta, l.across, sigma2);
     vec3 local = dual_back(view, l.lobe.theta, sigma2) *
                  ((1.0 - l.across) * (1.0 / XU_PI)); // eq 30
-    vec3 near = fast_near(view, l);
+    vec3 near = fast_near(view, l.lobe, l.cos_phi);
     float clear = shadow_clear(g);
     vec3 forward = p.forward * omega * max(through - clear, 0.0);
     return clear * p.glow * near + forward * (p.global * global + p.glow * local);

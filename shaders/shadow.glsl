@@ -204,23 +204,33 @@ struct ShadowLaw {
     float clear; // G(1)
 };
 
-ShadowLaw shadow_law(vec4 g)
+// fall: -ln of G / G(0) at the nodes.
+ShadowLaw shadow_law_of(vec3 fall, float open, float clear)
 {
-    const float least = 7e-6; // half of what a node can hold
-    vec3 log_g = log(max(g.xyz, vec3(least)));
-    vec3 fall = log(max(g.w, least)) - log_g;
-    GUARD_LIVE(g.w > 0.0);
-    GUARD(GUARD_SHADOW_LEAST, lessThan(g, vec4(least)));
-    GUARD(GUARD_SHADOW_FALL, lessThan(fall, vec3(-1e-3)));
     vec3 R = vec3(1.0, 0.3, 0.05) / max(fall, vec3(1e-6));
     ShadowLaw l;
     l.r = R.x * (1.0 / 0.665) * vec3(0.015, -0.35, 1.0) -
           R.y * (1.0 / 0.175) * vec3(0.05, -1.05, 1.0) +
           R.z * (1.0 / 0.2375) * vec3(0.3, -1.3, 1.0);
     l.bounds = vec2(0.25 * R.z, max(R.x, R.z));
-    l.open = g.w;
-    l.clear = g.x;
+    l.open = open;
+    l.clear = clear;
     return l;
+}
+
+vec3 shadow_fall_of(vec4 g)
+{
+    const float least = 7e-6; // half of what a node can hold
+    vec3 fall = log(max(g.w, least)) - log(max(g.xyz, vec3(least)));
+    GUARD_LIVE(g.w > 0.0);
+    GUARD(GUARD_SHADOW_LEAST, lessThan(g, vec4(least)));
+    GUARD(GUARD_SHADOW_FALL, lessThan(fall, vec3(-1e-3)));
+    return fall;
+}
+
+ShadowLaw shadow_law(vec4 g)
+{
+    return shadow_law_of(shadow_fall_of(g), g.w, g.x);
 }
 
 // T~: the share that meets no fibre at all.

@@ -1,0 +1,447 @@
+// lit_tables.c - sizes, buffers and dispatches of the tables of lights.  What a
+// cell holds is the shaders' affair, which cells are read, shading.c's.
+#include "renderer/lit_tables.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "protocol/bytes.h"
+#include "renderer/gl.h"
+#include "renderer/program.h"
+
+static const double pi = 3.14159265358979323846;
+
+enum {
+    LIGHTS = LIT_TABLES_LIGHTS,
+    ROWS_MAX = 160,    // of s: half a turn each way
+    PHIS_MAX = 48,     // over |Phi|
+    CELLS_MAX = 3500000, // of all lights: 112 MB
+    NEAR_BYTES = 32,
+    FAR_BYTES = 32,
+    VALUE_BYTES = 16,
+    RECORD_BYTES = 16,
+    RECORDS_MAX = 112 << 20, // bytes: some drivers end at 128 MiB
+    VALUES_BINDING = 12,
+    MARKS_BINDING = 13,
+    RECORDS_BINDING = 14,
+    CELLS_BINDING = 15,
+    WANTED_UNIT = 22,
+    VALUES_UNIT = 23,
+    RECORDS_UNIT = 24,
+    ORDER_UNIT = 25,
+    ORDER_BINS = 4096, // lit_order.comp
+    EVERYTHING_LOCATION = 0,
+    PLACES_LOCATION = 6, // lit_record.glsl
+    GROUP = 64
+};
+// A cell of s over the width of light and narrowest lobe together, one of |Phi|
+// over that of light and caustic: what they cost and err is in docs/METHODS.md.
+static const double step_s = 0.5, step_p = 0.8;
+// ln sigma_f of the far table: from here or the narrowest light to there.
+static const double far_least = 0.03, far_most = 12, far_log = 2.0;
+static const double far_widths = .45;
+
+enum wanted { NOTHING, MARKED, ALL };
+enum { CELLS, VALUES, WANTED, MARKS, RECORDS, ORDER, BUFFERS };
+enum { NEAR_VALUES, FAR_VALUES = 4, NEAR_PACK = 6, FAR_PACK, CHOOSE, COUNT, ADD, PUT, PROGRAMS };
+static const unsigned format[BUFFERS] = {GL_RGBA32UI, GL_RGBA32F, GL_R32UI,
+                                         GL_R32UI, GL_RGBA32UI, GL_R32UI};
+
+struct block { // uniform block Lit
+    float far[4];
+    uint32_t from[4], light[LIGHTS][4], rest[LIGHTS / 4][4];
+};
+
+struct lit_tables {
+    struct lit_fibre fibre;
+    struct block block;
+    float lambda[LIGHTS];
+    int lights;
+    uint32_t cells, far_cells, columns; // columns: most of any light
+    uint32_t places;       // with records
+    bool planned;          // block is of this fibre and these lights
+    bool near_stale, far_stale, marked;
+    enum wanted wanted;    // what `wanted` holds
+    unsigned buffer[BUFFERS], texture[BUFFERS], uniform;
+    uint64_t bytes[BUFFERS];
+    unsigned program[PROGRAMS];
+};
+
+struct lit_tables *lit_tables_create(void)
+{
+    return bytes_zalloc(1, sizeof(struct lit_tables));
+}
+
+void lit_tables_fibre(struct lit_tables *t, const struct lit_fibre *f)
+{
+    t->fibre = *f;
+    t->planned = false;
+    t->near_stale = t->far_stale = true;
+}
+
+void lit_tables_forget(struct lit_tables *t)
+{
+    t->marked = false;
+}
+
+bool lit_tables_marked(const struct lit_tables *t)
+{
+    return t->marked;
+}
+
+// --- sizes -------------------------------------------------------------------
+
+// The next of 16, 19, 23, 27, 32 ...: a hand that moves a width does not
+// change the tables' shape with every step, and marks hold.
+static uint32_t rows_for(double cells)
+{
+    double rows = 16;
+    while (rows < cells - 1e-6)
+        rows *= 1.189207115;
+    return (uint32_t)lrint(rows);
+}
+
+static double narrowest(const struct lit_fibre *f)
+{
+    const double *b = f->fibre.beta;
+    return 2.82842712 * (f->opaque ? b[0] : fmin(b[0], fmin(b[1], b[2])));
+}
+
+static uint32_t phis_for(double cells)
+{
+    uint32_t n = 4 * (uint32_t)ceil(cells / 4 - 1e-6);
+    return n < 8 ? 8 : n > PHIS_MAX ? PHIS_MAX : n;
+}
+
+static void plan_near(struct lit_tables *t, struct block *b)
+{
+    const double w = narrowest(&t->fibre), w_c = t->fibre.fibre.w_c;
+    uint32_t rest = 0;
+    t->cells = t->columns = 0;
+    for (int j = 0; j < t->lights; j++) {
+        const double lambda = (double)t->lambda[j];
+        memcpy(&b->light[j][3], &t->lambda[j], sizeof t->lambda[j]);
+        const uint32_t rows = rows_for(2 * pi / (step_s * hypot(w, lambda)));
+        const uint32_t phis = phis_for(pi / (step_p * hypot(lambda, w_c)));
+        const float per_s = (float)(rows / (2 * pi));
+        const uint32_t cells = rows * LIT_TABLES_D * phis;
+        if (rows > ROWS_MAX || t->cells + cells > CELLS_MAX) {
+            b->rest[rest / 4][rest % 4] = (uint32_t)j;
+            rest++;
+            continue;
+        }
+        memcpy(&b->light[j][0], &per_s, sizeof per_s);
+        b->light[j][1] = rows << 16 | phis;
+        b->light[j][2] = t->cells;
+        t->cells += cells;
+        if (rows * LIT_TABLES_D > t->columns)
+            t->columns = rows * LIT_TABLES_D;
+    }
+    b->from[1] = rest;
+    b->from[2] = t->columns;
+}
+
+static void plan_far(struct lit_tables *t, struct block *b)
+{
+    const double w = narrowest(&t->fibre);
+    double least = 1;
+    for (int j = 0; j < t->lights; j++)
+        least = fmin(least, (double)t->lambda[j]);
+    const double first = log(fmax(least, far_least));
+    const double slices = ceil((log(far_most) - first) * far_log);
+    const double finest = hypot(w, exp(first + 0.5 / far_log));
+    const uint32_t rows = rows_for(2 * pi / (far_widths * finest));
+    b->far[0] = (float)first;
+    b->far[1] = (float)slices;
+    b->far[2] = (float)(rows < ROWS_MAX ? rows : ROWS_MAX);
+    b->far[3] = (float)(w * w);
+    b->from[0] = t->cells * (NEAR_BYTES / 16);
+    t->far_cells = t->fibre.multiple ? (uint32_t)(b->far[1] * b->far[2]) *
+                                           LIT_TABLES_FAR_D * LIT_TABLES_FAR_P
+                                     : 0;
+}
+
+// --- on the device -----------------------------------------------------------
+
+static void drop(struct lit_tables *t, int i)
+{
+    gl.DeleteTextures(1, &t->texture[i]);
+    gl.DeleteBuffers(1, &t->buffer[i]);
+    t->texture[i] = t->buffer[i] = 0;
+    t->bytes[i] = 0;
+}
+
+static bool grow(struct lit_tables *t, int i, uint64_t bytes, struct error *err)
+{
+    static const char *const name[BUFFERS] = {
+        "lit cells", "lit values",  "lit wanted",
+        "lit marks", "lit records", "lit order"};
+    const uint32_t zero = 0;
+    if (t->bytes[i] >= bytes)
+        return true;
+    drop(t, i);
+    bytes = (bytes + bytes / 4 + 15) / 16 * 16; // the next is often larger
+    gl.CreateBuffers(1, &t->buffer[i]);
+    gl.NamedBufferStorage(t->buffer[i], (GLsizeiptr)bytes, NULL,
+                          GL_DYNAMIC_STORAGE_BIT);
+    gl.ObjectLabel(GL_BUFFER, t->buffer[i], -1, name[i]);
+    gl.ClearNamedBufferData(t->buffer[i], GL_R32UI, GL_RED_INTEGER,
+                            GL_UNSIGNED_INT, &zero);
+    gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &t->texture[i]);
+    gl.TextureBuffer(t->texture[i], format[i], t->buffer[i]);
+    if (!gl_check("tables of lights", err)) {
+        drop(t, i);
+        return false;
+    }
+    t->bytes[i] = bytes;
+    if (i >= RECORDS) // these are made with the marks
+        return true;
+    t->near_stale = t->far_stale = true;
+    t->wanted = NOTHING;
+    t->marked = false;
+    return true;
+}
+
+static bool make_room(struct lit_tables *t, struct error *err)
+{
+    const uint64_t far = t->far_cells, near = t->cells;
+    const uint64_t values = 3 * far > near ? 3 * far : near;
+    return grow(t, CELLS, near * NEAR_BYTES + far * FAR_BYTES + 16, err) &&
+           grow(t, VALUES, values * VALUE_BYTES + 16, err) &&
+           grow(t, WANTED, (uint64_t)t->columns * LIGHTS * 4 + 16, err) &&
+           grow(t, MARKS, (near > ORDER_BINS ? near : ORDER_BINS) * 4, err);
+}
+
+bool lit_tables_lights(struct lit_tables *t, const float *lambda, int count,
+                       struct error *err)
+{
+    const size_t size = (size_t)count * sizeof *lambda;
+    if (t->planned && t->lights == count &&
+        memcmp(t->lambda, lambda, size) == 0)
+        return true;
+    struct block b;
+    memset(&b, 0, sizeof b);
+    if (t->lights != count || memcmp(t->lambda, lambda, size) != 0)
+        t->near_stale = t->far_stale = true;
+    t->lights = count;
+    memcpy(t->lambda, lambda, size);
+    plan_near(t, &b);
+    plan_far(t, &b);
+    if (!make_room(t, err))
+        return false;
+    if (!t->uniform) {
+        gl.CreateBuffers(1, &t->uniform);
+        gl.NamedBufferStorage(t->uniform, sizeof b, NULL,
+                              GL_DYNAMIC_STORAGE_BIT);
+        gl.ObjectLabel(GL_BUFFER, t->uniform, -1, "lit block");
+    }
+    if (memcmp(&b.light, &t->block.light, sizeof b.light) != 0) {
+        t->marked = false;
+        t->wanted = NOTHING;
+    }
+    if (memcmp(&b, &t->block, sizeof b) != 0)
+        gl.NamedBufferSubData(t->uniform, 0, sizeof b, &b);
+    t->block = b;
+    t->planned = true;
+    return true;
+}
+
+bool lit_tables_rest(const struct lit_tables *t)
+{
+    return t->block.from[1] > 0;
+}
+
+uint32_t lit_tables_kept(const struct lit_tables *t)
+{
+    return t->places;
+}
+
+void lit_tables_read(const struct lit_tables *t, unsigned program)
+{
+    if (t->places == 0)
+        return;
+    gl.BindTextureUnit(RECORDS_UNIT, t->texture[RECORDS]);
+    gl.BindTextureUnit(ORDER_UNIT, t->texture[ORDER]);
+    gl.ProgramUniform1ui(program, PLACES_LOCATION, t->places);
+}
+
+static unsigned program_of(struct lit_tables *t, int i, struct error *err)
+{
+    static const char *const name[PROGRAMS] = {
+        [COUNT] = "lit_order.comp",
+        [ADD] = "lit_order.comp",
+        [PUT] = "lit_order.comp",
+        [NEAR_PACK] = "lit_pack.comp",
+        [FAR_PACK] = "lit_far_pack.comp",
+        [CHOOSE] = "lit_wanted.comp"};
+    static const char *const words[4] = {"", "XU_NO_TT_TRT", "WITH_MULTIPLE",
+                                         "WITH_MULTIPLE XU_NO_TT_TRT"};
+    static const char *const steps[3] = {"STEP=0", "STEP=1", "STEP=2"};
+    const char *file = i < FAR_VALUES  ? "lit_values.comp"
+                       : i < NEAR_PACK ? "lit_far_values.comp"
+                                       : name[i];
+    const char *defines = i < FAR_VALUES  ? words[i]
+                          : i < NEAR_PACK ? words[i - FAR_VALUES]
+                          : i < COUNT     ? ""
+                                          : steps[i - COUNT];
+    if (!t->program[i])
+        t->program[i] = program_compute(file, defines, err);
+    if (t->program[i])
+        gl.UseProgram(t->program[i]);
+    return t->program[i];
+}
+
+static void dispatch_columns(const struct lit_tables *t)
+{
+    gl.DispatchCompute((t->columns + GROUP - 1) / GROUP, (GLuint)t->lights, 1);
+    gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT |
+                     GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+// Which place comes when, so that neighbours read the same cells.
+static bool sort_places(struct lit_tables *t, uint32_t places, unsigned bins,
+                        struct error *err)
+{
+    for (int step = COUNT; step <= PUT; step++) {
+        const unsigned p = program_of(t, step, err);
+        if (!p)
+            return false;
+        if (step != ADD)
+            gl.ProgramUniform1ui(p, PLACES_LOCATION, places);
+        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, MARKS_BINDING, bins);
+        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, VALUES_BINDING,
+                          t->buffer[ORDER]);
+        gl_dispatch(step == ADD ? 1 : places);
+        gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT |
+                         GL_TEXTURE_FETCH_BARRIER_BIT);
+    }
+    return true;
+}
+
+static void clear(unsigned buffer)
+{
+    const uint32_t zero = 0;
+    gl.ClearNamedBufferData(buffer, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT,
+                            &zero);
+}
+
+bool lit_tables_keep(struct lit_tables *t, uint32_t places, struct error *err)
+{
+    const uint64_t lights = (uint64_t)t->lights;
+    const uint64_t bytes = places * lights * RECORD_BYTES;
+    t->places = bytes <= RECORDS_MAX ? places : 0;
+    if (t->places == 0)
+        return true;
+    // the marks' buffer serves for the bins
+    if (!grow(t, RECORDS, bytes, err) || !grow(t, ORDER, 4 * (uint64_t)places, err))
+        return false;
+    clear(t->buffer[MARKS]);
+    return sort_places(t, places, t->buffer[MARKS], err);
+}
+
+void lit_tables_mark(struct lit_tables *t, unsigned program)
+{
+    clear(t->buffer[MARKS]);
+    gl.BindBufferBase(GL_UNIFORM_BUFFER, LIT_TABLES_BINDING, t->uniform);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, MARKS_BINDING,
+                      t->buffer[MARKS]);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, RECORDS_BINDING,
+                      t->buffer[RECORDS]);
+    lit_tables_read(t, program);
+    t->marked = true;
+    t->wanted = NOTHING;
+}
+
+static void bind_output(const struct lit_tables *t, unsigned binding, int i)
+{
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, t->buffer[i]);
+}
+
+static bool choose(struct lit_tables *t, enum wanted wanted, struct error *err)
+{
+    const unsigned p = program_of(t, CHOOSE, err);
+    if (!p)
+        return false;
+    gl.ProgramUniform1ui(p, EVERYTHING_LOCATION, wanted == ALL);
+    gl.BindTextureUnit(VALUES_UNIT, t->texture[MARKS]);
+    bind_output(t, VALUES_BINDING, WANTED);
+    dispatch_columns(t);
+    t->wanted = wanted;
+    t->near_stale = true;
+    return true;
+}
+
+static bool make_near(struct lit_tables *t, struct error *err)
+{
+    const int variant = (t->fibre.opaque ? 1 : 0) + (t->fibre.multiple ? 2 : 0);
+    gl.BindTextureUnit(WANTED_UNIT, t->texture[WANTED]);
+    gl.BindTextureUnit(VALUES_UNIT, t->texture[VALUES]);
+    bind_output(t, VALUES_BINDING, VALUES);
+    bind_output(t, CELLS_BINDING, CELLS);
+    if (!program_of(t, NEAR_VALUES + variant, err))
+        return false;
+    dispatch_columns(t);
+    if (!program_of(t, NEAR_PACK, err))
+        return false;
+    dispatch_columns(t);
+    t->near_stale = false;
+    return true;
+}
+
+static bool make_far(struct lit_tables *t, struct error *err)
+{
+    const uint64_t columns = t->far_cells / LIT_TABLES_FAR_P;
+    gl.BindTextureUnit(VALUES_UNIT, t->texture[VALUES]);
+    bind_output(t, VALUES_BINDING, VALUES);
+    bind_output(t, CELLS_BINDING, CELLS);
+    if (!program_of(t, FAR_VALUES + (t->fibre.opaque ? 1 : 0), err))
+        return false;
+    gl_dispatch(columns);
+    gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    if (!program_of(t, FAR_PACK, err))
+        return false;
+    gl_dispatch(columns);
+    gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT |
+                     GL_SHADER_STORAGE_BARRIER_BIT);
+    t->far_stale = false;
+    return true;
+}
+
+bool lit_tables_make(struct lit_tables *t, bool all, struct error *err)
+{
+    const enum wanted wanted = all ? ALL : MARKED;
+    gl.BindBufferBase(GL_UNIFORM_BUFFER, LIT_TABLES_BINDING, t->uniform);
+    // all that there are will do, if they are still of this fibre
+    const bool there = t->wanted == wanted || (t->wanted == ALL && !t->near_stale);
+    if (t->columns > 0 && !there && !choose(t, wanted, err))
+        return false;
+    if (t->columns > 0 && t->near_stale && !make_near(t, err))
+        return false;
+    if (t->far_cells > 0 && t->far_stale && !make_far(t, err))
+        return false;
+    gl.BindTextureUnit(LIT_TABLES_UNIT, t->texture[CELLS]);
+    return true;
+}
+
+uint64_t lit_tables_bytes(const struct lit_tables *t)
+{
+    uint64_t sum = 0;
+    for (int i = 0; t && i < BUFFERS; i++)
+        sum += t->bytes[i];
+    return sum;
+}
+
+void lit_tables_destroy(struct lit_tables *t)
+{
+    if (!t)
+        return;
+    for (int i = 0; i < BUFFERS && t->uniform; i++)
+        drop(t, i);
+    if (t->uniform)
+        gl.DeleteBuffers(1, &t->uniform);
+    for (int i = 0; i < PROGRAMS; i++)
+        if (t->program[i])
+            gl.DeleteProgram(t->program[i]);
+    free(t);
+}
