@@ -24,7 +24,7 @@ enum {
     LIT_TABLES_UNIT = 21,   // as shaders/lit.glsl declares them
     LIT_TABLES_BINDING = 9, // uniform block
     LIT_TABLES_LIGHTS = 200,
-    LIT_TABLES_D = 20, // shape: shaders/lit_size.glsl has it too
+    LIT_TABLES_D = 26, // shape: shaders/lit_size.glsl has it too
     LIT_TABLES_FAR_D = 12,
     LIT_TABLES_FAR_P = 8
 };

@@ -26,9 +26,9 @@ struct LitAt {
     vec3 x;   // from the cell's middle: s, theta_o, Phi
 };
 
-// theta_o as tables have it, 0 to 1: cells are 2.2 times as fine along the fibre,
+// theta_o as tables have it, 0 to 1: cells are 2.8 times as fine along the fibre,
 // where cross sections bend most, as across it.  And back.
-const float LIT_WARP = 0.4;
+const float LIT_WARP = 0.6;
 float lit_view(float theta_o)
 {
     float x = theta_o * (2.0 / LIT_PI);
