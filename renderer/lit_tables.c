@@ -14,8 +14,8 @@ static const double pi = 3.14159265358979323846;
 
 enum {
     LIGHTS = LIT_TABLES_LIGHTS,
-    ROWS_MAX = 160,    // of s: half a turn each way
-    PHIS_MAX = 48,     // over |Phi|
+    ROWS_MAX = 160,      // of s: half a turn each way
+    PHIS_MAX = 48,       // over |Phi|
     CELLS_MAX = 3500000, // of all lights: 112 MB
     NEAR_BYTES = 32,
     FAR_BYTES = 32,
@@ -44,9 +44,19 @@ static const double far_widths = .45;
 
 enum wanted { NOTHING, MARKED, ALL };
 enum { CELLS, VALUES, WANTED, MARKS, RECORDS, ORDER, BUFFERS };
-enum { NEAR_VALUES, FAR_VALUES = 4, NEAR_PACK = 6, FAR_PACK, CHOOSE, COUNT, ADD, PUT, PROGRAMS };
-static const unsigned format[BUFFERS] = {GL_RGBA32UI, GL_RGBA32F, GL_R32UI,
-                                         GL_R32UI, GL_RGBA32UI, GL_R32UI};
+enum {
+    NEAR_VALUES,
+    FAR_VALUES = 4,
+    NEAR_PACK = 6,
+    FAR_PACK,
+    CHOOSE,
+    COUNT,
+    ADD,
+    PUT,
+    PROGRAMS
+};
+static const unsigned format[BUFFERS] = {GL_RGBA32UI, GL_RGBA32F,  GL_R32UI,
+                                         GL_R32UI,    GL_RGBA32UI, GL_R32UI};
 
 struct block { // uniform block Lit
     float far[4];
@@ -59,10 +69,10 @@ struct lit_tables {
     float lambda[LIGHTS];
     int lights;
     uint32_t cells, far_cells, columns; // columns: most of any light
-    uint32_t places;       // with records
-    bool planned;          // block is of this fibre and these lights
+    uint32_t places;                    // with records
+    bool planned; // block is of this fibre and these lights
     bool near_stale, far_stale, marked;
-    enum wanted wanted;    // what `wanted` holds
+    enum wanted wanted; // what `wanted` holds
     unsigned buffer[BUFFERS], texture[BUFFERS], uniform;
     uint64_t bytes[BUFFERS];
     unsigned program[PROGRAMS];
@@ -174,9 +184,9 @@ static void drop(struct lit_tables *t, int i)
 
 static bool grow(struct lit_tables *t, int i, uint64_t bytes, struct error *err)
 {
-    static const char *const name[BUFFERS] = {
-        "lit cells", "lit values",  "lit wanted",
-        "lit marks", "lit records", "lit order"};
+    static const char *const name[BUFFERS] = {"lit cells",   "lit values",
+                                              "lit wanted",  "lit marks",
+                                              "lit records", "lit order"};
     const uint32_t zero = 0;
     if (t->bytes[i] >= bytes)
         return true;
@@ -269,12 +279,9 @@ void lit_tables_read(const struct lit_tables *t, unsigned program)
 static unsigned program_of(struct lit_tables *t, int i, struct error *err)
 {
     static const char *const name[PROGRAMS] = {
-        [COUNT] = "lit_order.comp",
-        [ADD] = "lit_order.comp",
-        [PUT] = "lit_order.comp",
-        [NEAR_PACK] = "lit_pack.comp",
-        [FAR_PACK] = "lit_far_pack.comp",
-        [CHOOSE] = "lit_wanted.comp"};
+        [COUNT] = "lit_order.comp",       [ADD] = "lit_order.comp",
+        [PUT] = "lit_order.comp",         [NEAR_PACK] = "lit_pack.comp",
+        [FAR_PACK] = "lit_far_pack.comp", [CHOOSE] = "lit_wanted.comp"};
     static const char *const words[4] = {"", "XU_NO_TT_TRT", "WITH_MULTIPLE",
                                          "WITH_MULTIPLE XU_NO_TT_TRT"};
     static const char *const steps[3] = {"STEP=0", "STEP=1", "STEP=2"};
@@ -334,7 +341,8 @@ bool lit_tables_keep(struct lit_tables *t, uint32_t places, struct error *err)
     if (t->places == 0)
         return true;
     // the marks' buffer serves for the bins
-    if (!grow(t, RECORDS, bytes, err) || !grow(t, ORDER, 4 * (uint64_t)places, err))
+    if (!grow(t, RECORDS, bytes, err) ||
+        !grow(t, ORDER, 4 * (uint64_t)places, err))
         return false;
     clear(t->buffer[MARKS]);
     return sort_places(t, places, t->buffer[MARKS], err);
@@ -413,7 +421,8 @@ bool lit_tables_make(struct lit_tables *t, bool all, struct error *err)
     const enum wanted wanted = all ? ALL : MARKED;
     gl.BindBufferBase(GL_UNIFORM_BUFFER, LIT_TABLES_BINDING, t->uniform);
     // all that there are will do, if they are still of this fibre
-    const bool there = t->wanted == wanted || (t->wanted == ALL && !t->near_stale);
+    const bool there =
+        t->wanted == wanted || (t->wanted == ALL && !t->near_stale);
     if (t->columns > 0 && !there && !choose(t, wanted, err))
         return false;
     if (t->columns > 0 && t->near_stale && !make_near(t, err))
@@ -441,7 +450,6 @@ void lit_tables_destroy(struct lit_tables *t)
     if (t->uniform)
         gl.DeleteBuffers(1, &t->uniform);
     for (int i = 0; i < PROGRAMS; i++)
-        if (t->program[i])
-            gl.DeleteProgram(t->program[i]);
+        program_drop(t->program[i]);
     free(t);
 }

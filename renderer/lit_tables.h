@@ -1,16 +1,16 @@
 // lit_tables.h - what each light does to a fibre, all modes added up, as tables
 // of local quadratics that are made once an edit of the fibre (shaders/lit*):
-// a place then costs a light two cells instead of nine.  Made from the tables of
-// fast_tables.h, which hold for every light, at the middles of cells.
+// a place then costs a light two cells instead of nine.  Made from the tables
+// of fast_tables.h, which hold for every light, at the middles of cells.
 //
-// A light's table: M_R + M_TT + M_TRT and its glow (Xu 2011, eq 11, 29, 30) over
-// s = theta_o + theta_j, theta_o and |Phi|; as fine as light
-// and lobes together are narrow.  The far table: M^G + d_b M^L (eq 27, 29) over
-// the same and ln sigma_f, for all lights.
+// A light's table: M_R + M_TT + M_TRT and its glow (Xu 2011, eq 11, 29, 30)
+// over s = theta_o + theta_j, theta_o and |Phi|; as fine as light and lobes
+// together are narrow.  The far table: M^G + d_b M^L (eq 27, 29) over the same
+// and ln sigma_f, for all lights.
 //
 // A light's table is made where places read it: their cells are marked once for
-// each view, and edits of the fibre make those alone.  What a cell holds depends
-// on fibre and light only, so it does not matter who asked for it.
+// each view, and edits of the fibre make those alone.  What a cell holds
+// depends on fibre and light only, so it does not matter who asked for it.
 #ifndef RENDERER_LIT_TABLES_H
 #define RENDERER_LIT_TABLES_H
 
@@ -54,18 +54,18 @@ bool lit_tables_rest(const struct lit_tables *t);
 void lit_tables_forget(struct lit_tables *t);
 // Are there marks of what is to be shaded?
 bool lit_tables_marked(const struct lit_tables *t);
-// If not: makes room for records of so many places and sorts them (0, or too many
-// for a buffer: none are kept; the cells of the picture's first part are bound),
-// then clears the marks and binds what `program` needs, which marks and makes
-// records (shaders/lit_mark.comp).
+// If not: makes room for records of so many places and sorts them (0, or too
+// many for a buffer: none are kept; the cells of the picture's first part are
+// bound), then clears the marks and binds what `program` needs, which marks and
+// makes records (shaders/lit_mark.comp).
 bool lit_tables_keep(struct lit_tables *t, uint32_t places, struct error *err);
 void lit_tables_mark(struct lit_tables *t, unsigned program);
 // How many places have records; `program` will read them.
 uint32_t lit_tables_kept(const struct lit_tables *t);
 void lit_tables_read(const struct lit_tables *t, unsigned program);
 
-// Makes what is wanted and is not there yet, marked cells or all, and binds unit
-// and block.  Bound are: parameter and light blocks, fast_tables and, with
+// Makes what is wanted and is not there yet, marked cells or all, and binds
+// unit and block.  Bound are: parameter and light blocks, fast_tables and, with
 // multiple scattering, dual_tables.  Storage buffers 12 and 15 and units 22 and
 // 23 are used.
 bool lit_tables_make(struct lit_tables *t, bool all, struct error *err);

@@ -42,7 +42,7 @@ void shading_finish(struct shading *s)
     dual_tables_destroy(s->dual);
     fast_tables_destroy(s->fast);
     lit_tables_destroy(s->lit);
-    gl.DeleteProgram(s->mark);
+    program_drop(s->mark);
     memset(s, 0, sizeof *s);
 }
 
@@ -331,7 +331,7 @@ static bool mark_places(struct shading *s, const struct strands *strands,
         unsigned program = program_compute("lit_mark.comp", defines, err);
         if (!program)
             return false;
-        gl.DeleteProgram(s->mark);
+        program_drop(s->mark);
         s->mark = program;
         snprintf(s->mark_defines, sizeof s->mark_defines, "%s", defines);
     }
@@ -392,7 +392,8 @@ bool shading_bind(struct shading *s, const struct strands *strands,
         shading_bind_inputs(s, program, strands, how->nodes);
         if (!lit_tables_make(s->lit, !finds_again(s, how), err))
             return false;
-        lit_tables_read(s->lit, program);
+        if (strstr(defines, "LIT_KEPT"))
+            lit_tables_read(s->lit, program);
     }
     gl.UseProgram(program);
     gl.ProgramUniform1ui(program, PART_LOCATION, (GLuint)how->part);

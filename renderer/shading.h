@@ -38,7 +38,7 @@ struct shading {
     struct lit_tables *lit;   // the same
     unsigned mark;            // program of mark_defines; 0: none
     char mark_defines[SHADING_DEFINES];
-    const char *refused;      // why tables were asked for in vain, or NULL
+    const char *refused; // why tables were asked for in vain, or NULL
     bool circular, opaque, shadowed, multiple;
     bool tabled;         // render.path=table, and the tables hold
     bool best;           // single scattering by scheme `best`
