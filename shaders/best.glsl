@@ -351,7 +351,8 @@ float best_column(Fibre f, BestLight l, float kappa)
 vec3 best_product(float k1, vec3 k2, vec3 sin2, out vec3 less)
 {
     vec3 four = 4.0 * k1 * k2, sum = k1 + k2, apart = k1 - k2, rest;
-    vec3 k = sqrt(apart * apart + four * (1.0 - sin2)) + 1e-12;
+    // sin2, rounded, may be above 1
+    vec3 k = sqrt(apart * apart + four * max(1.0 - sin2, 0.0)) + 1e-12;
     vec3 one = 1.0 / (k * (k + sum));
     vec3 i0 = best_i0(k, one * (k + sum), rest);
     GUARD(GUARD_GAUSS_FLAT, lessThan(k + sum, vec3(1e-22)));
