@@ -55,9 +55,13 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
         leave_out(s, "tables", 0, why);
     }
     if (r->shading.tabled)
-        leave_out(s, "exact_integrals", FAST_TABLES_ERROR,
-                  "render.path is table: the largest error measured of a sky's "
-                  "sum; median .001 to .025");
+        leave_out(s, "exact_integrals",
+                  r->shading.whole ? LIT_TABLES_ERROR : FAST_TABLES_ERROR,
+                  r->shading.whole
+                      ? "render.path is table: the largest error measured of a "
+                        "place; median .003"
+                      : "render.path is table: the largest error measured of a "
+                        "sky's sum; median .001 to .025");
     if (!r->strands.opacity && r->strands.plain_colour[3] >= 1)
         leave_out(s, "opacity", 0,
                   "hair.use_opacity is off or the file has none");
@@ -105,7 +109,8 @@ void renderer_stats(const struct renderer *r, struct renderer_stats *out)
     out->path = paths[r->shading.tabled ? RENDERER_TABLE : r->path];
     out->memory_cache = r->picture.cache_bytes;
     out->memory_draft = draft_bytes(&r->draft);
-    out->memory_tables = fast_tables_bytes(r->shading.fast);
+    out->memory_tables =
+        fast_tables_bytes(r->shading.fast) + lit_tables_bytes(r->shading.lit);
     out->work = gl_count_since(&r->work_from);
     out->refined = r->refined;
     if (r->shading.shadowed) {

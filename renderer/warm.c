@@ -103,6 +103,15 @@ static bool sunny(const struct params *p)
     return p->sun1.strength > 0 || p->sun2.strength > 0 || p->sun3.strength > 0;
 }
 
+// Some lights then have no table of their own (lit_tables.h), whichever they are.
+static bool narrow(const struct params *p)
+{
+    struct params r = *p;
+    params_fibre_resolve(&r);
+    return r.fibre.beta_r < 1.7f || r.fibre.beta_tt < 1.7f ||
+           r.fibre.beta_trt < 1.7f;
+}
+
 static struct kind kind_of(const struct params *p, uint8_t hair)
 {
     struct kind k = {{0}};
@@ -111,6 +120,7 @@ static struct kind kind_of(const struct params *p, uint8_t hair)
     k.of[n++] = p->fibre.a != 1;
     k.of[n++] = opaque(p);
     k.of[n++] = sunny(p);
+    k.of[n++] = narrow(p);
     k.of[n++] = p->shadow.rays > 0;
     k.of[n++] = reads_m(p) && p->render.m < M_MOST ? (uint8_t)p->render.m : 0;
     for (int i = 0; i < params_row_count && n < KIND; i++)
@@ -166,6 +176,10 @@ static void put_extremes(struct warm *w, const struct params *p)
     q = *p;
     for (int c = 0; c < 3; c++)
         q.fibre.sigma_a[c] = opaque(p) ? 0.2f : 20;
+    put(w, &q);
+    q = *p;
+    q.fibre.beta_r = narrow(p) ? 8 : 0.2f;
+    q.sun1.strength = narrow(p) ? p->sun1.strength : 1;
     put(w, &q);
     q = *p;
     q.sun2.strength = q.sun3.strength = 0;
