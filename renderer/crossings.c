@@ -229,13 +229,12 @@ static void upload_tensor(struct crossings *c, float *const tensor[2])
 static bool make_tensor(struct crossings *c, const struct groom *g,
                         const struct params *p)
 {
-    struct crossings_hair hair;
+    struct crossings_hair hair = {.watch = c->watch};
     float *tensor[2];
     for (int i = 0; i < 2; i++)
         tensor[i] =
             bytes_zalloc(4 * (size_t)crossings_voxels(c), sizeof(float));
     crossings_grid_hair(&hair, c->box_min, c->voxel, g, p);
-    hair.watch = c->watch;
     crossings_grid_splat(&hair, c->size, tensor);
     crossings_grid_hair_finish(&hair);
     const bool whole = !watch_cut(c->watch);

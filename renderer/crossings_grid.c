@@ -11,7 +11,11 @@
 #include "renderer/place.h"
 #include "renderer/shoot_threads.h"
 
-enum { SLABS = 2, LOOK_EVERY = 256 }; // one thread each; strands
+enum {
+    SLABS = 2,
+    LOOK_EVERY = 256,
+    LOOK_POINTS = 1 << 14
+}; // one thread each; strands
 
 void crossings_grid_hair(struct crossings_hair *h, const float corner[3],
                          float unit, const struct groom *g,
@@ -25,8 +29,9 @@ void crossings_grid_hair(struct crossings_hair *h, const float corner[3],
     h->points = g->points;
     h->at = bytes_alloc((size_t)g->points * 4 * sizeof *h->at);
     h->opacity = NULL;
-    h->watch = NULL;
     for (uint32_t i = 0; i < g->points; i++) {
+        if (i % LOOK_POINTS == 0 && watch_cut(h->watch))
+            return;
         float *out = h->at + 4 * (size_t)i;
         place_point(g, p, i, out);
         for (int k = 0; k < 3; k++)

@@ -262,10 +262,9 @@ static bool build(struct crossings *c, const struct groom *g,
         (uint64_t)(cells * cells * cells) * crossings_voxels(c);
     if (4 * (all + 1) > most || watch_cut(c->watch))
         return false;
-    struct crossings_hair hair;
+    struct crossings_hair hair = {.watch = c->watch};
     uint32_t *pieces = NULL, *starts = bytes_zalloc((size_t)all + 1, 4);
     crossings_grid_hair(&hair, c->box_min, c->voxel / (float)cells, g, p);
-    hair.watch = c->watch;
     const bool ok = make(&hair, size, most / 4 - 1, starts, &pieces) &&
                     send(c, size, starts, pieces);
     crossings_grid_hair_finish(&hair);

@@ -30,7 +30,8 @@ struct crossings_hair { // a groom in the grid's frame: voxels from its corner
     float *opacity; // [points], or NULL
     struct watch *watch;
 };
-// unit: of the world, that becomes 1.
+// unit: of the world, that becomes 1.  h->watch is set; where it cuts, what is
+// in *h is of no use.
 void crossings_grid_hair(struct crossings_hair *h, const float corner[3],
                          float unit, const struct groom *g,
                          const struct params *p);

@@ -57,7 +57,7 @@ static bool has_layer(const struct renderer *r, int i)
 
 // So that whoever edits waits for one part of it only; where nobody looks, all
 // of it is one.  Sizes go by what the part before took.
-enum { SHADOW_PART, RAYS_PART, SHADE_PART, PART_FIRST = 1024, PART_LEAST = 64 };
+enum { SHADOW_PART, RAYS_PART, SHADE_PART, PART_FIRST = 128, PART_LEAST = 64 };
 static const double part_seconds = 4e-3;
 
 struct parts {
