@@ -135,6 +135,7 @@ static struct bench_edits_row *new_row(struct run *run, const char *edit)
         .blocks = NAN,
         .target = NAN,
         .forward = NAN,
+        .forward_cpu = NAN,
         .paper_fps = NAN,
         .error = {none, none, NAN, NAN, NAN},
     };
@@ -252,6 +253,7 @@ static bool forward(struct run *run, int i, struct error *err)
         k = new;
     }
     row->forward = k->time.median.value;
+    row->forward_cpu = k->time.processor;
     row->forward_runs = k->time.runs;
     return true;
 }

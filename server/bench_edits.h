@@ -41,9 +41,9 @@ struct bench_edits_row {
     bool drag, chief;
     double target; // ms; NaN: none
     const char *path;
-    int lights, lights_asked; // in use; sky.lights
-    uint32_t points;          // visible
-    double forward;           // ms by paper-forward; NaN: does not compare
+    int lights, lights_asked;    // in use; sky.lights
+    uint32_t points;             // visible
+    double forward, forward_cpu; // ms by paper-forward; NaN: does not compare
     int forward_runs;
     double paper_fps; // Xu 2011, Table 2; else NaN
     // Of drags `path` is the draft's error against the full frame.

@@ -89,6 +89,7 @@ void bench_edits_json(const struct bench_edits_scene *s,
     put_error(&j, row);
     json_put_number(&j, "paper_forward_ms", row->forward);
     json_put_number(&j, "ratio", row->forward / t->median.value);
+    json_put_number(&j, "ratio_cpu", row->forward_cpu / t->processor);
     json_put_int(&j, "paper_forward_edits", row->forward_runs);
     put_stages(&j, t);
     put_work(&j, &t->work);

@@ -32,6 +32,12 @@ static bool is_whole(const struct bench_edits_scene *s)
     return s->rows > 0 && isnan(s->row[0].paper_fps);
 }
 
+// Three figures, without exponents.
+static void figures(struct buf *out, double v)
+{
+    buf_printf(out, v >= 100 ? "%.0f" : v >= 10 ? "%.1f" : "%.2g", v);
+}
+
 // --- the short table ---------------------------------------------------------
 
 static void short_cell(const struct bench_edits_row *row, struct buf *out)
@@ -40,11 +46,10 @@ static void short_cell(const struct bench_edits_row *row, struct buf *out)
         buf_text(out, " - |");
         return;
     }
-    buf_printf(out, " %s%.3g ms",
-               row->time.median.value <= row->target ? "**" : "",
-               row->time.median.value);
-    if (row->time.median.value <= row->target)
-        buf_text(out, "**");
+    const bool met = row->time.median.value <= row->target;
+    buf_text(out, met ? " **" : " ");
+    figures(out, row->time.median.value);
+    buf_text(out, met ? " ms**" : " ms");
     if (!isnan(row->target))
         buf_printf(out, " of %g", row->target);
     if (!isnan(row->forward))
@@ -118,7 +123,9 @@ static void line(const struct bench_edits_row *row, struct buf *out)
     number(out, " %g |", row->target);
     buf_printf(out, " %d |", t->runs);
     number(out, " %.4g |", row->forward);
-    number(out, " %.1f |", row->forward / t->median.value);
+    number(out, " %.1f", row->forward / t->median.value);
+    if (!isnan(row->forward))
+        buf_printf(out, " (%.1f) |", row->forward_cpu / t->processor);
     errors(row, out);
     buf_printf(out, " %s", row->path);
     if (row->drag && row->how.divisor > 0)
@@ -216,7 +223,9 @@ static void how(const struct bench_edits_head *h, struct buf *out)
         "- **ms**: from the edit until the picture stands in memory as "
         "displayed, wall clock, n edits after warming up; p95 by nearest rank. "
         "**encode**: JPEG 85 4:2:0 of it, not in that time. **CPU**: of all "
-        "threads. **Bold**: the target is met.\n"
+        "threads. **times**: as fast as paper-forward, and in brackets by CPU "
+        "time, which other work on the machine changes least. **Bold**: the "
+        "target is met.\n"
         "- **fibre parameter**: twelve parameters in random order (a fixed "
         "seed), each by 1 to 7 %%. **camera**: an orbit. **while dragging, "
         "first usable frame**: drags of eight edits, a full frame before each; "
@@ -257,8 +266,9 @@ void bench_edits_page(const struct bench_edits_head *h,
                h->base->image.width, h->base->image.height, h->base->sky.lights,
                h->load[0], h->load[1]);
     short_table(scene, count, out);
-    buf_text(out, "<!-- end -->\n\n`T ms of TARGET, times as fast as "
-                  "paper-forward`, medians.\n\n");
+    buf_text(out, "<!-- end -->\n\nMedians, of the target where there is one; "
+                  "how many times as fast as paper-forward. Bold: the target "
+                  "is met.\n\n");
     if (h->plot)
         buf_printf(out, "![what an edit costs](%s)\n\n", h->plot);
     how(h, out);

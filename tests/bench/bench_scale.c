@@ -65,6 +65,7 @@ static void measure(const struct bench *b, struct renderer *r,
         struct bench_times t;
         must(bench_time(r, p, edits[i], &effort, &t, &err), &err);
         row->ms[i] = t.median.value;
+        row->cpu[i] = t.processor;
     }
     note(r, row);
 }
@@ -117,13 +118,20 @@ static struct scale_row *next(struct scale_sweep *s, double x)
     return row;
 }
 
-// The camera's angle is widened, so that the same hair covers less.
+// The camera's angle is widened where it stands, so that the same hair covers
+// less.
 static void places(struct bench *b, struct scale_sweep *s)
 {
     static const double wider[] = {6, 4.2, 3, 2.1, 1.5, 1, 0.75};
     struct params p;
+    struct renderer_stats at;
+    struct error err = {0};
     base(&p);
     struct renderer *r = renderer(b, animation(), &p);
+    must(bench_time_finish(r, &p, NULL, &err), &err);
+    renderer_stats(r, &at);
+    memcpy(p.camera.eye, at.eye, sizeof at.eye);
+    memcpy(p.camera.target, at.target, sizeof at.target);
     for (int i = 0; i < 7; i += b->quick ? 3 : 1) {
         const double tangent = wider[i] * tan(15 * M_PI / 180);
         p.camera.fov = (float)(2 * atan(tangent) * 180 / M_PI);
@@ -252,9 +260,13 @@ static void head(struct bench *b, double seconds, struct buf *out)
         "# How an edit's cost grows\n\nMade by `make bench-scale` in %.0f s on "
         "%s, %ld cores; load average at the end %.1f (above the number of "
         "cores times are upper estimates). 40 lights unless they are what "
-        "grows; medians, one sample, no encoding.\n\n"
-        "Fitted exponents k of x^k, over all and, in brackets, over the upper "
-        "half of what was measured:\n\n"
+        "grows; medians, one sample, no encoding. Beside each time, in "
+        "brackets, "
+        "that of all processors together, which other work on the machine "
+        "changes least.\n\n"
+        "Exponents k of x^k, fitted to the processors' time and to memory, "
+        "over all and, in brackets, over the upper half of what was "
+        "measured:\n\n"
         "| what grows | from, to | fibre | light colour | camera | memory |\n"
         "|---|---|---|---|---|---|\n",
         seconds, b->device, sysconf(_SC_NPROCESSORS_ONLN), load);

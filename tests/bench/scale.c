@@ -18,7 +18,7 @@ uint64_t scale_memory(const struct scale_row *r)
 
 static double value(const struct scale_row *r, int column)
 {
-    return column < SCALE_EDITS ? r->ms[column] : (double)scale_memory(r);
+    return column < SCALE_EDITS ? r->cpu[column] : (double)scale_memory(r);
 }
 
 // Slope of log y over log x by least squares, of the rows from `from` on; NaN
@@ -63,6 +63,9 @@ void scale_json(const struct scale_sweep *s, const struct scale_row *r,
             snprintf(key, sizeof key, "%s_ms",
                      i == 1 ? "colour" : scale_edits[i]);
             json_put_number(&j, key, r->ms[i]);
+            snprintf(key, sizeof key, "%s_cpu_ms",
+                     i == 1 ? "colour" : scale_edits[i]);
+            json_put_number(&j, key, r->cpu[i]);
         }
         json_put_int(&j, "visible", r->points);
         json_put_int(&j, "strand_points", r->strand_points);
@@ -124,8 +127,9 @@ void scale_section(const struct scale_sweep *s, const char *plot,
                        r->refused);
             continue;
         }
-        buf_printf(out, " %.4g | %.4g | %.4g | %u | %d | %s |", r->ms[0],
-                   r->ms[1], r->ms[2], r->points, r->lights, r->path);
+        for (int e = 0; e < SCALE_EDITS; e++)
+            buf_printf(out, " %.4g (%.4g) |", r->ms[e], r->cpu[e]);
+        buf_printf(out, " %u | %d | %s |", r->points, r->lights, r->path);
         buf_printf(out, " %.4g | %.4g | %.4g | %.4g | %.4g | %.4g |\n",
                    megabytes(scale_memory(r)), megabytes(r->strands),
                    megabytes(r->shadow), megabytes(r->cache),
@@ -141,7 +145,7 @@ void scale_plot(const struct scale_sweep *s, const char *device,
     struct chart c = {.title = title,
                       .note = device,
                       .x_title = s->x,
-                      .y_title = "ms of an edit, median",
+                      .y_title = "ms of all processors for an edit, median",
                       .point = p,
                       .series = true};
     snprintf(title, sizeof title, "an edit's time over %s", s->x);
@@ -153,7 +157,7 @@ void scale_plot(const struct scale_sweep *s, const char *device,
             if (!s->row[i].refused[0])
                 p[c.count++] = (struct chart_point){
                     .x = s->row[i].x,
-                    .y = s->row[i].ms[e],
+                    .y = s->row[i].cpu[e],
                     .low = NAN,
                     .high = NAN,
                     .label = "",

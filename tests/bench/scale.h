@@ -12,10 +12,10 @@ extern const char
 
 struct scale_row {
     double x;
-    char label[48];                 // "1920 x 1080"; "" : the number
-    double ms[SCALE_EDITS];         // medians
-    uint32_t points, strand_points; // visible; of the hair
-    int lights;                     // in use
+    char label[48];                           // "1920 x 1080"; "" : the number
+    double ms[SCALE_EDITS], cpu[SCALE_EDITS]; // medians; of all processors
+    uint32_t points, strand_points;           // visible; of the hair
+    int lights;                               // in use
     const char *path;
     uint64_t strands, shadow, cache, targets, tables; // bytes
     char refused[240]; // why there is nothing; ""

@@ -1,6 +1,7 @@
 // The list of settings that `glintd bench` compares, and the arrays that it
 // keeps on disk.
 #include "server/bench_keep.h"
+#include "server/bench_kinds.h"
 #include "server/bench_knobs.h"
 
 #include <stdlib.h>
@@ -113,9 +114,64 @@ static void keeping(void)
     CHECK(system(command) == 0);
 }
 
+static bool within(const struct params *p)
+{
+    for (int i = 0; i < params_row_count; i++)
+        for (int c = 0; c < params_rows[i].count; c++) {
+            const double v = params_get(p, &params_rows[i], c);
+            if (params_rows[i].max > params_rows[i].min &&
+                (v < params_rows[i].min || v > params_rows[i].max))
+                return false;
+        }
+    return true;
+}
+
+// The edits that --edits times.
+static void kinds(void)
+{
+    struct params base;
+    int count = 0, targets = 0;
+    const struct bench_kind *kind = bench_kinds(&count);
+    const struct bench_kinds_scene scene = {{0, -10, 2}, {0, 0, 1}};
+    params_defaults(&base);
+    check_case("every round of fibre edits has each parameter once, shuffled");
+    bool sorted = true;
+    for (int round = 0; round < 4; round++) {
+        int seen[BENCH_KINDS_FIBRE] = {0};
+        for (int i = 0; i < BENCH_KINDS_FIBRE; i++) {
+            const int at = bench_kinds_fibre_at(round * BENCH_KINDS_FIBRE + i);
+            seen[at]++;
+            sorted &= at == i;
+        }
+        for (int i = 0; i < BENCH_KINDS_FIBRE; i++)
+            CHECK(seen[i] == 1);
+    }
+    CHECK(!sorted);
+    check_case("an edit is legal, no other than the one before, of its group");
+    for (int k = 0; k < count; k++) {
+        struct params before = base;
+        targets += !isnan(kind[k].target[0]);
+        for (int i = 0; kind[k].edit && i < 60; i++) {
+            struct params p = base;
+            kind[k].edit(&scene, &p, i);
+            const uint32_t groups = params_changed(&p, &base);
+            CHECK(within(&p) && (groups & (groups - 1)) == 0);
+            CHECK(params_changed(&p, &before) != 0);
+            before = p;
+        }
+    }
+    CHECK(targets == count && count > 15);
+    check_case("the paper's scenes are built-in grooms");
+    for (int i = 0; i < 6; i++)
+        CHECK(bench_kinds_paper_of(bench_kinds_paper[i].hair) ==
+              &bench_kinds_paper[i]);
+    CHECK(bench_kinds_scene("straight") == 1 && bench_kinds_scene("bob") < 0);
+}
+
 int main(void)
 {
     settings();
+    kinds();
     keeping();
     return check_end();
 }

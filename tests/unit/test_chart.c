@@ -5,6 +5,8 @@
 
 #include <stdlib.h>
 
+#include "server/chart_rows.h"
+
 #include "tests/check.h"
 
 static struct chart_point points[CHART_POINTS_MAX];
@@ -138,9 +140,79 @@ static void labels(void)
     buf_finish(&out);
 }
 
+// Growth: one line a group, through its points, and no front.
+static void series(void)
+{
+    struct buf out = {0};
+    struct chart_point p[6];
+    check_case("series are joined, without front and labels");
+    for (int i = 0; i < 6; i++)
+        p[i] = (struct chart_point){.x = 1 + i % 3,
+                                    .y = i == 4 ? (double)NAN : 1 + i,
+                                    .low = NAN,
+                                    .high = NAN,
+                                    .label = "",
+                                    .group = i / 3};
+    struct chart c = {
+        .groups = {"a", "b"}, .point = p, .count = 6, .series = true};
+    chart_svg(&c, &out);
+    buf_byte(&out, 0);
+    const char *svg = (const char *)out.data;
+    CHECK(count(svg, "fill=\"none\" stroke=\"#1b6ca8\"") == 1);
+    CHECK(count(svg, "fill=\"none\" stroke=\"#c2410c\"") == 1);
+    CHECK(!strstr(svg, "Pareto") && !strstr(svg, "nan"));
+    CHECK(count(svg, "class=\"label\"") == 0);
+    buf_finish(&out);
+}
+
+// x of the first number after `what`.
+static double number_after(const char *svg, const char *what)
+{
+    const char *at = strstr(svg, what);
+    return at ? strtod(at + strlen(what), NULL) : NAN;
+}
+
+static void rows(void)
+{
+    struct buf out = {0};
+    const struct chart_row row[] = {
+        {"edit < & one", 0, 10, 20, 40, 15, 2000},
+        {NULL, 1, 100, 200, 400, NAN, NAN},
+        {"not measured", 1, NAN, NAN, NAN, 33, NAN},
+    };
+    const struct chart_rows c = {.title = "t",
+                                 .note = "n",
+                                 .x_title = "ms",
+                                 .groups = {"a", "b"},
+                                 .target = "target",
+                                 .other = "other",
+                                 .row = row,
+                                 .count = 3};
+    check_case("rows: a dot for each median, targets where there are any");
+    chart_rows_svg(&c, &out);
+    buf_byte(&out, 0);
+    const char *svg = (const char *)out.data;
+    CHECK(count(svg, "<circle") == 2 + 2);                  // and the legend's
+    CHECK(count(svg, "stroke-width=\"3\"/>") == 2 + 2 + 1); // bars, targets
+    CHECK(strstr(svg, "edit &lt; &amp; one") && strstr(svg, "not measured"));
+    CHECK(count(svg, "<text") == count(svg, "</text>"));
+    CHECK(!strstr(svg, "nan") && !strstr(svg, "inf"));
+    check_case("... and time is logarithmic");
+    const char *bar = strstr(svg, "stroke-opacity");
+    const double a = number_after(bar, "<circle cx=\"");
+    const double b =
+        number_after(strstr(bar + 1, "stroke-opacity"), "<circle cx=\"");
+    const double x = number_after(svg, "<path d=\"M"); // ticks: 10, 20, 50, ...
+    CHECK(strstr(svg, ">10</text>") && strstr(svg, ">1000</text>"));
+    CHECK_NEAR(a - x, 0.30103 * (b - a), 0.2); // 20/10 and 200/20; rounded
+    buf_finish(&out);
+}
+
 int main(void)
 {
     front();
     labels();
+    series();
+    rows();
     return check_end();
 }
