@@ -246,13 +246,15 @@ static void ratios(void)
            "%.3f, camera %.3f\n",
            fibre / whole, tint / whole, view / whole, sky / whole,
            camera / whole);
-    // Measured: .05, .006, .006, .88, .11.  A whole frame is mostly shadows,
-    // which may become cheaper, so the limits are several times that.
+    // Measured: .05, .006, .006, .9, .11, on a machine six times overbooked
+    // .08, .012, .011, 1.28, .15.  A whole frame is mostly shadows, which may
+    // become cheaper, so the limits are several times that; sky and camera are
+    // parts of it.
     check_case("an edit takes its share of a whole frame, not more");
     CHECK_ATMOST(fibre, 0.4 * whole);
     CHECK_ATMOST(tint, 0.1 * whole);
     CHECK_ATMOST(view, 0.1 * whole);
-    CHECK_ATMOST(sky, 1.3 * whole);
+    CHECK_ATMOST(sky, 2 * whole);
     CHECK_ATMOST(camera, 0.8 * whole);
     // Colour is a factor of the whole where no sun shines, .12 of a fibre edit.
     CHECK_ATMOST(tint, 0.6 * fibre);
