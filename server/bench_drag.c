@@ -9,7 +9,7 @@
 #include "server/haste.h"
 #include "server/rehearsal.h"
 
-enum { LENGTH = 8, DRAGS_MAX = 32, REHEARSALS_MAX = 16, BLOCK = 8 };
+enum { LENGTH = 8, DRAGS_MAX = 32, REHEARSALS_MAX = 16, BLOCK = 32 };
 
 struct drag {
     struct renderer *r;

@@ -14,7 +14,7 @@ struct bench_drag {
     double error;              // root of the mean square over pixels that the
                                // full frame covers, of its display in linear
                                // light, relative to its mean
-    double blocks;             // the same of means over 8 x 8 pixels: of the
+    double blocks;             // the same of means over 32 x 32 pixels: of the
                                // light without its detail
 };
 

@@ -249,7 +249,7 @@ static void how(const struct bench_edits_head *h, struct buf *out)
         "state that edits are made around; for sky and camera at an edited "
         "one. Of drafts: RMSE of the display in linear light against the full "
         "frame of the same state, over its hair, by pixels, whose detail a "
-        "draft lacks, and by means over 8 x 8 pixels.\n",
+        "draft lacks, and by means over 32 x 32 pixels.\n",
         h->cold, h->forward_runs, h->places, h->paths, h->exact);
 }
 

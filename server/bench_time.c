@@ -88,6 +88,7 @@ bool bench_time_frame(struct renderer *r, struct bench_frame *f, double *ms,
 {
     struct renderer_stats s;
     const double began = timer_now(), used = processor_ms();
+    const struct gl_counts from = gl_count_now();
     bool ok = (f->how ? draft(r, f, ms, err)
                       : bench_time_finish(r, f->params, ms, err)) &&
               renderer_read_display(r, &f->pixels, err);
@@ -97,7 +98,7 @@ bool bench_time_frame(struct renderer *r, struct bench_frame *f, double *ms,
     if (!ok)
         return false;
     renderer_stats(r, &s);
-    f->work = s.work;
+    f->work = gl_count_since(&from);
     ms[RENDERER_DISPLAY] = s.stage_ms[RENDERER_DISPLAY];
     ms[RENDERER_READ] = s.stage_ms[RENDERER_READ];
     return true;

@@ -191,11 +191,12 @@ static void points(struct bench *b, struct scale_sweep *s)
 static void pixels(struct bench *b, struct scale_sweep *s)
 {
     static const int sizes[][2] = {{640, 360},   {960, 540},   {1280, 720},
-                                   {1920, 1080}, {2560, 1440}, {3840, 2160}};
+                                   {1920, 1080}, {2560, 1440}, {2720, 1530},
+                                   {3840, 2160}};
     struct params p;
     base(&p);
     struct renderer *r = renderer(b, animation(), &p);
-    for (int i = 0; i < 6; i += b->quick ? 5 : 1) {
+    for (int i = 0; i < 7; i += b->quick ? 3 : 1) {
         p.image.width = sizes[i][0];
         p.image.height = sizes[i][1];
         struct scale_row *row = next(s, (double)sizes[i][0] * sizes[i][1]);
@@ -238,7 +239,9 @@ static const struct {
     {{.name = "Pixels",
       .id = "pixels",
       .x = "pixels",
-      .about = "`builtin:animation`, the same view."},
+      .about = "`builtin:animation`, the same view. 2720 x 1530 is the "
+               "largest picture of these sides that a buffer of 128 MiB "
+               "takes, llvmpipe's limit."},
      pixels},
 };
 
@@ -257,7 +260,8 @@ static void head(struct bench *b, double seconds, struct buf *out)
     getloadavg(&load, 1);
     buf_printf(
         out,
-        "# How an edit's cost grows\n\nMade by `make bench-scale` in %.0f s on "
+        "# How an edit's cost grows\n\nMade by `make bench-scale%s` in %.0f s "
+        "on "
         "%s, %ld cores; load average at the end %.1f (above the number of "
         "cores times are upper estimates). 40 lights unless they are what "
         "grows; medians, one sample, no encoding. Beside each time, in "
@@ -269,7 +273,8 @@ static void head(struct bench *b, double seconds, struct buf *out)
         "measured:\n\n"
         "| what grows | from, to | fibre | light colour | camera | memory |\n"
         "|---|---|---|---|---|---|\n",
-        seconds, b->device, sysconf(_SC_NPROCESSORS_ONLN), load);
+        b->quick ? " ARGS=--quick" : "", seconds, b->device,
+        sysconf(_SC_NPROCESSORS_ONLN), load);
     for (int i = 0; i < SWEEPS; i++)
         if (b->sweep[i].rows > 0)
             scale_summary(&b->sweep[i], out);
@@ -280,6 +285,9 @@ static void remarks(const struct bench *b, struct buf *out)
     for (int i = 0; i < SWEEPS; i++)
         for (int k = 0; k < b->sweep[i].rows; k++) {
             const struct scale_row *r = &b->sweep[i].row[k];
+            if (r->refused[0])
+                buf_printf(out, "\nIt ends at %s: %s.\n",
+                           r->label[0] ? r->label : b->sweep[i].x, r->refused);
             if (r->strand_points >= 1000000 && !r->refused[0])
                 buf_printf(out,
                            "\n%.3g million strand points: %.0f bytes of GPU "

@@ -84,7 +84,7 @@ void scale_json(const struct scale_sweep *s, const struct scale_row *r,
 
 void scale_summary(const struct scale_sweep *s, struct buf *out)
 {
-    const int n = measured(s);
+    const int first = measured(s) / 2; // what is refused comes last
     double low = INFINITY, high = 0;
     for (int i = 0; i < s->rows; i++)
         if (!s->row[i].refused[0]) {
@@ -93,9 +93,11 @@ void scale_summary(const struct scale_sweep *s, struct buf *out)
         }
     buf_printf(out, "| [%s](#%s) | %.4g to %.4g (x%.3g) |", s->name, s->id, low,
                high, high / low);
-    for (int i = 0; i <= SCALE_EDITS; i++)
-        buf_printf(out, " %.2f (%.2f) |", exponent(s, i, 0),
-                   exponent(s, i, s->rows - (n + 1) / 2));
+    for (int i = 0; i <= SCALE_EDITS; i++) {
+        const double upper = exponent(s, i, first);
+        buf_printf(out, isnan(upper) ? " %.2f |" : " %.2f (%.2f) |",
+                   exponent(s, i, 0), upper);
+    }
     buf_text(out, "\n");
 }
 
