@@ -88,14 +88,14 @@ static const struct kind {
 } kinds[] = {
     {"display exposure", exposure, "display read", 1, 1488, 0, false},
     {"light colour", colour, "tint display read", 1, 7904, 0, false},
-    {"absorption", absorption, "fibre shade resolve display read", 6, 115728, 0,
-     false},
-    {"width of a lobe", width, "fibre shade resolve display read", 6, 115728, 0,
-     false},
+    {"absorption", absorption, "fibre shade resolve display read", 10, 115728,
+     0, false},
+    {"width of a lobe", width, "fibre shade resolve display read", 10, 119760,
+     0, false},
     {"sky rotation", turn,
-     "light tint crossings shadow shade resolve display read", 207, 3238672, 99,
+     "light tint crossings shadow shade resolve display read", 214, 2394528, 99,
      true},
-    {"camera", zoom, "visible shadow shade resolve display read", 11, 1904, 0,
+    {"camera", zoom, "visible shadow shade resolve display read", 18, 1920, 0,
      true},
 };
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
