@@ -6,6 +6,7 @@
 
 #include "renderer/crossings_private.h"
 #include "renderer/egl.h"
+#include "renderer/lights.h"
 #include "tests/check.h"
 #include "tests/numeric/crossings_scene.h"
 
@@ -44,6 +45,53 @@ static void test_ways(void)
         // balance, to the root of single precision.
         CHECK_NEAR(along, want, n == 1 ? 0.013 : 0.047);
         CHECK_ATMOST(sqrt(fmax(0, all - along * along)), 1e-3);
+    }
+}
+
+// Powers that fall by a third from light to light: which of them count as dim,
+// and how many directions that leaves.
+static void test_dim(void)
+{
+    enum { LIGHTS = 12 };
+    check_case("dim lights have fewer directions");
+    static struct sky_fit fit;
+    static struct lights lights;
+    struct params p;
+    params_defaults(&p);
+    p.quality.light_bound = 0;
+    double power[LIGHTS], mean = 0;
+    fit.count = LIGHTS;
+    for (int j = 0; j < LIGHTS; j++) {
+        power[j] = pow(2 / 3., j);
+        mean += power[j] / LIGHTS;
+        fit.light[j].direction[2] = 1;
+        fit.light[j].lambda = 0.2 + 0.1 * (j % 3);
+        for (int c = 0; c < 3; c++) // their mean is what counts
+            fit.light[j].radiance[c] =
+                c * power[j] / sky_lobe_omega(fit.light[j].lambda);
+    }
+    CHECK(lights_put(&lights, &fit, &p));
+    CHECK(!lights_put(&lights, &fit, &p));
+    int seen[3] = {0};
+    for (int j = 0; j < LIGHTS; j++) {
+        const double share = power[j] / mean;
+        const int want = share < 1 / 16. ? 2 : share < 1 / 4. ? 1 : 0;
+        CHECK(lights.place[j].dim == want);
+        seen[want]++;
+    }
+    CHECK(seen[0] > 0 && seen[1] > 0 && seen[2] > 0);
+    // brighter by itself: new directions, though no light moved
+    for (int c = 0; c < 3; c++)
+        fit.light[LIGHTS - 1].radiance[c] *= 20;
+    CHECK(lights_put(&lights, &fit, &p));
+    static const float lambda[4] = {0.1f, 0.3f, 0.5f, 1};
+    static const int ways[2][4][3] = {
+        {{1, 1, 1}, {1, 1, 1}, {3, 1, 1}, {6, 3, 1}}, // coarse
+        {{1, 1, 1}, {3, 1, 1}, {6, 3, 1}, {12, 6, 3}}};
+    for (int i = 0; i < 24; i++) {
+        const struct crossings_light l = {{0, 0, 1}, lambda[i / 3 % 4], i % 3};
+        CHECK(crossings_ways_count(&l, (enum crossings_quality)(i / 12)) ==
+              ways[i / 12][i / 3 % 4][i % 3]);
     }
 }
 
@@ -341,6 +389,7 @@ int main(void)
         return check_end();
     }
     test_ways();
+    test_dim();
     test_lattice();
     test_opacity();
     test_rays();
