@@ -25,7 +25,8 @@ lobes of lambda .05 (narrow), .2 and .5 (medium), 1 (wide).
   and .85.
 - build ms: grid (or nothing) and directions (or maps) for all %d lights; with
   rays also the lists. us: one lookup. All CPU time of both cores of a software
-  renderer (llvmpipe), on a machine that was shared: only ratios mean something.
+  renderer (llvmpipe), on a machine that was shared: only ratios mean something,
+  and "?" is a lookup whose time was less than the noise of compiling it.
 - Truth itself is uncertain by about the noise given, which is part of every error.
 
 `map` is the papers' way (Xu 2011, section 5, after Ren 2010), as docs/METHODS.md
@@ -50,12 +51,13 @@ def table(lines):
     for d in lines:
         spread = " | ".join("%.3f / %.2f" % both for both in
                             zip(d["class_mean"], d["class_p95"]))
-        print("| %d | %s | %.3f / %.2f | %s | %+.3f | %s | %.3f | %.0f | %.1f"
+        print("| %d | %s | %.3f / %.2f | %s | %+.3f | %s | %.3f | %.0f | %s"
               " | %.0f |" % (
                   d["resolution"], name(d), d["clear"], d["p95"], spread,
                   d["bias"], " / ".join("%.3f" % f for f in d["forward"][:3]),
                   d["sky"], d["grid_ms"] + d["sweep_ms"] + d["lists_ms"],
-                  d["lookup_us"], d["field_mb"] + d["lists_mb"]))
+                  "%.1f" % d["lookup_us"] if d["lookup_us"] > 0 else "?",
+                  d["field_mb"] + d["lists_mb"]))
 
 
 def verdict(lines, grooms):
