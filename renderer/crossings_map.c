@@ -206,7 +206,7 @@ static void splat(struct crossings *c, int first, int count)
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, s->opacity);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, c->map.cells);
     gl.ProgramUniform2ui(program, AT_RANGE, s->points, (GLuint)first);
-    gl.UseProgram(program);
+    program_use(program);
     gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT |
                      GL_SHADER_STORAGE_BARRIER_BIT);
     gl.DispatchCompute(x, (groups + GL_ROW_GROUPS - 1) / GL_ROW_GROUPS,
@@ -218,7 +218,7 @@ static void sum(struct crossings *c, int first, int count)
     const GLuint side = (GLuint)c->map.side,
                  slices = (GLuint)(count * c->map.layers);
     const GLuint program = c->map.program[SUM];
-    gl.UseProgram(program);
+    program_use(program);
     for (GLuint along = 0; along < 2; along++) {
         gl.ProgramUniform3ui(program, AT_SIZE, side, slices, along);
         gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
@@ -238,7 +238,7 @@ static void sample(struct crossings *c, int first, int count)
     const uint64_t voxels = crossings_voxels(c);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, c->map.cells);
     gl.ProgramUniform2ui(program, AT_RANGE, (GLuint)count, (GLuint)first);
-    gl.UseProgram(program);
+    program_use(program);
     gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     gl.DispatchCompute((GLuint)(voxels / 4 + GROUP - 1) / GROUP, (GLuint)count,
                        1);

@@ -166,7 +166,7 @@ static bool run_slices(struct crossings *c, int axis, int count)
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, c->state);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, c->bytes[0]);
     gl.ProgramUniform1ui(c->sweep[axis], AT_COUNT, (GLuint)count);
-    gl.UseProgram(c->sweep[axis]);
+    program_use(c->sweep[axis]);
     for (int turn = 0; turn < c->size[axis]; turn++) {
         if (watch_cut(c->watch))
             return false;
@@ -184,7 +184,7 @@ static void put_right(struct crossings *c, int count)
                          (GLuint)c->size[Z]);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, c->bytes[0]);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, c->bytes[1]);
-    gl.UseProgram(c->turn);
+    program_use(c->turn);
     gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     gl.DispatchCompute((GLuint)(c->size[X] / 4 + 7) / 8,
                        (GLuint)(c->size[Y] / 4 + 7) / 8,

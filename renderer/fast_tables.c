@@ -214,11 +214,11 @@ static void fill(struct fast_tables *t)
                       t->buffer[VALUES]);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, CELLS_BINDING,
                       t->buffer[CELLS]);
-    gl.UseProgram(t->values);
+    program_use(t->values);
     gl.ProgramUniform1ui(t->values, TERMS_LOCATION, (GLuint)t->terms);
     gl_dispatch(FAST_TABLES_CELLS / 4);
     gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-    gl.UseProgram(t->pack);
+    program_use(t->pack);
     gl_dispatch(FAST_TABLES_CELLS);
     gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 }

@@ -106,7 +106,7 @@ bool nodes_make(struct nodes *n, const struct nodes_request *q,
     unsigned program = program_of(n, q, s->opacity != 0, err);
     if (!program)
         return false;
-    gl.UseProgram(program);
+    program_use(program);
     gl.ProgramUniform1ui(program, PART_LOCATION, (GLuint)q->part);
     gl.ProgramUniform1ui(program, NODES_STRIDE_LOCATION, store->stride);
     gl.ProgramUniform1ui(program, NODES_BEGIN_LOCATION, store->begin);

@@ -223,3 +223,13 @@ bool program_prepare(struct span line, struct error *err)
         program_pool_add(key, program, false);
     return program != 0;
 }
+
+void program_use(unsigned program)
+{
+    const unsigned neutral = program_pool_neutral();
+    if (neutral) {
+        gl.UseProgram(neutral);
+        gl.DispatchCompute(1, 1, 1);
+    }
+    gl.UseProgram(program);
+}

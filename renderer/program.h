@@ -29,6 +29,13 @@ unsigned program_raster(const char *vert, const char *frag, const char *defines,
                         struct error *err);
 void program_drop(unsigned program); // 0 is allowed
 
+// Makes a compute program that reads buffer textures the current one.  Mesa's
+// llvmpipe makes machine code once more for every sampler that a program meets,
+// and Mesa leaves that of a buffer texture, which has none, as an earlier
+// program had it: so that it is the same whatever ran before, a dispatch of a
+// single thread puts all samplers back first.  Elsewhere this is glUseProgram.
+void program_use(unsigned program);
+
 // Compiles ahead what a line of program_pool_list names, unless it is there.
 bool program_prepare(struct span line, struct error *err);
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "renderer/gl.h"
+#include "renderer/program.h"
 
 struct entry {
     char key[PROGRAM_POOL_KEY];
@@ -19,7 +20,10 @@ struct program_pool {
     struct entry *entry;
     size_t count, room;
     uint64_t compiled, clock;
+    unsigned neutral, black; // program, texture; 0: not asked for yet
 };
+
+enum { FIRST_UNIT = 24, UNITS = 8 }; // samplers.comp
 
 static _Thread_local struct program_pool *current;
 
@@ -34,6 +38,7 @@ void program_pool_destroy(struct program_pool *pool)
         return;
     for (size_t i = 0; i < pool->count; i++)
         gl.DeleteProgram(pool->entry[i].program);
+    gl.DeleteTextures(1, &pool->black);
     if (current == pool)
         current = NULL;
     free(pool->entry);
@@ -113,6 +118,32 @@ void program_pool_give(unsigned program)
             return;
         }
     gl.DeleteProgram(program);
+}
+
+static bool is_llvmpipe(void)
+{
+    const GLubyte *name = gl.GetString(GL_RENDERER);
+    return name && strstr((const char *)name, "llvmpipe");
+}
+
+unsigned program_pool_neutral(void)
+{
+    struct program_pool *p = current;
+    if (!p || p->black)
+        return p ? p->neutral : 0;
+    gl.CreateTextures(GL_TEXTURE_2D, 1, &p->black);
+    if (is_llvmpipe())
+        p->neutral = program_compute("samplers.comp", NULL, NULL);
+    if (!p->neutral)
+        return 0;
+    const float zero[4] = {0};
+    gl.TextureStorage2D(p->black, 1, GL_RGBA32F, 1, 1);
+    gl.TextureParameteri(p->black, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl.TextureParameteri(p->black, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl.TextureSubImage2D(p->black, 0, 0, 0, 1, 1, GL_RGBA, GL_FLOAT, zero);
+    for (GLuint i = 0; i < UNITS; i++)
+        gl.BindTextureUnit(FIRST_UNIT + i, p->black);
+    return p->neutral;
 }
 
 uint64_t program_pool_compiled(void)

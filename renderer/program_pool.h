@@ -32,6 +32,10 @@ bool program_pool_has(const char *key); // used or idle
 // Gives back, or deletes what is none of the pool's.
 void program_pool_give(unsigned program);
 
+// samplers.comp with its textures bound, for program_use; 0 where it is not
+// needed, or could not be had.
+unsigned program_pool_neutral(void);
+
 // So far compiled in this context; keys of all that are kept, one a line.
 uint64_t program_pool_compiled(void);
 size_t program_pool_count(void);

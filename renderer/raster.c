@@ -131,7 +131,7 @@ static void bind(const struct raster *r, const struct strands *s)
 
 static void use(const struct raster *r, unsigned program)
 {
-    gl.UseProgram(program);
+    program_use(program);
     gl.ProgramUniform3ui(program, 0, r->room[0], r->room[1], r->room[2]);
 }
 

@@ -395,7 +395,7 @@ bool shading_bind(struct shading *s, const struct strands *strands,
         if (strstr(defines, "LIT_KEPT"))
             lit_tables_read(s->lit, program);
     }
-    gl.UseProgram(program);
+    program_use(program);
     gl.ProgramUniform1ui(program, PART_LOCATION, (GLuint)how->part);
     gl.ProgramUniform1ui(program, FROM_LOCATION, how->from);
     shading_bind_inputs(s, program, strands, how->nodes);
