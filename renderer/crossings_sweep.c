@@ -142,7 +142,8 @@ static void grow_state(struct crossings *c, uint64_t size)
 {
     if (c->state_size >= size)
         return;
-    grow(&c->state, &c->state_size, size, "crossings slice");
+    grow(&c->state, &c->state_size, gl_texture_buffer_size(size),
+         "crossings slice");
     gl.DeleteTextures(1, &c->before);
     gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &c->before);
     gl.TextureBuffer(c->before, GL_RG32UI, c->state);

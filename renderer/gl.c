@@ -50,6 +50,13 @@ bool gl_check(const char *doing, struct error *err)
     return error_set(err, "gpu", doing, "%s: %s (0x%04x)", doing, what, code);
 }
 
+uint64_t gl_texture_buffer_size(uint64_t n)
+{
+    if ((n >> 8 & 0xff) == 0)
+        n += 256;
+    return (n & (n - 1)) == 0 ? n + 256 : n;
+}
+
 void gl_dispatch(uint64_t n)
 {
     const uint64_t groups = (n + 63) / 64;

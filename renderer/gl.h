@@ -124,5 +124,9 @@ bool gl_check(const char *doing, struct error *err);
 // gl_GlobalInvocationID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x * 64.
 enum { GL_ROW_GROUPS = 32768 }; // count.comp has it too
 void gl_dispatch(uint64_t n);
+// At least n, for a buffer that a texture looks into.  Mesa's llvmpipe makes
+// machine code once more where such a size is a power of two, or where its bits
+// 8 to 15 are zero (which it takes for a count of mip levels): none is ever so.
+uint64_t gl_texture_buffer_size(uint64_t n);
 
 #endif

@@ -52,11 +52,8 @@ static bool grow(struct nodes_store *s, const struct nodes_request *q,
     if (bytes > s->bytes) {
         drop(s);
         gl.CreateBuffers(1, &s->buffer);
-        // Mesa's llvmpipe makes a program once more for a texture whose size is
-        // a power of two; so this one never has such a size.
-        const bool power = (bytes & (bytes - 1)) == 0 && bytes < 1 << 26;
-        gl.NamedBufferStorage(s->buffer, (GLsizeiptr)(bytes + (power ? 8 : 0)),
-                              NULL, 0);
+        gl.NamedBufferStorage(
+            s->buffer, (GLsizeiptr)gl_texture_buffer_size(bytes), NULL, 0);
         gl.ObjectLabel(GL_BUFFER, s->buffer, -1, "transmittances");
         gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &s->texture);
         gl.TextureBuffer(s->texture, GL_RG32UI, s->buffer);
