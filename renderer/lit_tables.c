@@ -295,7 +295,7 @@ static unsigned program_of(struct lit_tables *t, int i, struct error *err)
     if (!t->program[i])
         t->program[i] = program_compute(file, defines, err);
     if (t->program[i])
-        gl.UseProgram(t->program[i]);
+        program_use(t->program[i]);
     return t->program[i];
 }
 

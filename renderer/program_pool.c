@@ -23,7 +23,7 @@ struct program_pool {
     unsigned neutral, black; // program, texture; 0: not asked for yet
 };
 
-enum { FIRST_UNIT = 24, UNITS = 8 }; // samplers.comp
+enum { FIRST_UNIT = 40, UNITS = 16 }; // samplers.comp
 
 static _Thread_local struct program_pool *current;
 

@@ -336,7 +336,7 @@ static bool mark_places(struct shading *s, const struct strands *strands,
         snprintf(s->mark_defines, sizeof s->mark_defines, "%s", defines);
     }
     lit_tables_mark(s->lit, s->mark);
-    gl.UseProgram(s->mark);
+    program_use(s->mark);
     gl.ProgramUniform1ui(s->mark, PART_LOCATION, (GLuint)how->part);
     shading_bind_inputs(s, s->mark, strands, how->nodes);
     if (how->nodes)

@@ -103,7 +103,8 @@ static bool sunny(const struct params *p)
     return p->sun1.strength > 0 || p->sun2.strength > 0 || p->sun3.strength > 0;
 }
 
-// Some lights then have no table of their own (lit_tables.h), whichever they are.
+// Some lights then have no table of their own (lit_tables.h), whichever they
+// are.
 static bool narrow(const struct params *p)
 {
     struct params r = *p;

@@ -79,6 +79,8 @@ static void zoom(struct params *p, int k)
 // What such an edit was measured to ask for.  How much a stage needs is its
 // room's affair, so twice that is let pass; beyond, a number here is raised
 // only by who says why.
+// (Of an absorption edit's and a camera's a good half are of one thread, before
+// each program that reads buffer textures: program_use.)
 static const struct kind {
     const char *name;
     void (*edit)(struct params *p, int k);
@@ -88,14 +90,14 @@ static const struct kind {
 } kinds[] = {
     {"display exposure", exposure, "display read", 1, 1488, 0, false},
     {"light colour", colour, "tint display read", 1, 7904, 0, false},
-    {"absorption", absorption, "fibre shade resolve display read", 10, 115728,
+    {"absorption", absorption, "fibre shade resolve display read", 17, 115728,
      0, false},
-    {"width of a lobe", width, "fibre shade resolve display read", 10, 119760,
+    {"width of a lobe", width, "fibre shade resolve display read", 17, 119760,
      0, false},
     {"sky rotation", turn,
      "light tint crossings shadow shade resolve display read", 214, 2394528, 99,
      true},
-    {"camera", zoom, "visible shadow shade resolve display read", 18, 1920, 0,
+    {"camera", zoom, "visible shadow shade resolve display read", 33, 1920, 0,
      true},
 };
 enum { KINDS = sizeof kinds / sizeof kinds[0] };

@@ -195,8 +195,8 @@ static void no_room(struct params *p) // shadows are looked up as it is shaded
     p->sky.lights = 200;
 }
 
-// All the light, from cells of each light, against the integrals themselves.  Few
-// and narrow lamps: under a sky of forty lights it is a quarter of that.
+// All the light, from cells of each light, against the integrals themselves.
+// Few and narrow lamps: under a sky of forty lights it is a quarter of that.
 static void whole_agrees(void)
 {
     static const struct variety all[] = {
