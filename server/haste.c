@@ -112,7 +112,7 @@ static int stride_of(const struct haste *h, const double *forecast,
     int k = h->stride;
     while (k < STRIDE_MOST &&
            strands_ms(h, forecast) / k > strands_share * h->budget)
-        k *= 2;
+        k = 2 * k < STRIDE_MOST ? 2 * k : STRIDE_MOST;
     return most < 1 ? 1 : most < k ? (int)most : k;
 }
 
