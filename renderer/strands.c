@@ -75,12 +75,12 @@ static void fill(struct strands *s, const struct groom *g,
     }
 }
 
-// A sphere (x, y, z, radius) around the box of a group's segments; no segment:
-// radius -1.
+// The box of a group's segments: its middle and half its sides; no segment:
+// negative sides.
 static void bound(const float *position, uint32_t from, uint32_t points,
-                  float out[4])
+                  float out[6])
 {
-    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3], sum = 0;
+    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3];
     for (int c = 0; c < 3; c++)
         high[c] = -INFINITY;
     for (uint32_t i = from; i < from + STRANDS_GROUP && i + 1 < points; i++) {
@@ -91,27 +91,27 @@ static void bound(const float *position, uint32_t from, uint32_t points,
         }
     }
     for (int c = 0; c < 3; c++) {
-        const float half = 0.5f * (high[c] - low[c]);
-        out[c] = low[c] + half;
-        sum += half * half;
+        const bool none = high[0] < low[0];
+        const float half = none ? -1 : 0.5f * (high[c] - low[c]);
+        out[c] = none ? 0 : low[c] + half;
+        // rounding must not leave a point outside
+        out[c + 3] = none ? -1 : half + 1e-6f * (half + fabsf(out[c]));
     }
-    // rounding must not leave a point outside
-    out[3] = high[0] < low[0] ? -1 : 1.0001f * sqrtf(sum);
 }
 
 static bool upload_bounds(struct strands *s, const float *position,
                           struct error *err)
 {
     s->groups = (s->points + STRANDS_GROUP - 1) / STRANDS_GROUP;
-    float *sphere = bytes_zalloc(4 * (size_t)s->groups, sizeof *sphere);
+    float *box = bytes_zalloc(6 * (size_t)s->groups, sizeof *box);
     for (uint32_t g = 0; g < s->groups; g++)
-        bound(position, g * STRANDS_GROUP, s->points, sphere + 4 * (size_t)g);
-    const bool ok = upload(&s->bounds, sphere, 16 * (size_t)s->groups,
-                           "strand bounds", err);
-    free(sphere);
+        bound(position, g * STRANDS_GROUP, s->points, box + 6 * (size_t)g);
+    const bool ok =
+        upload(&s->bounds, box, 24 * (size_t)s->groups, "strand bounds", err);
+    free(box);
     if (!ok)
         return false;
-    s->bytes += 16 * (uint64_t)s->groups;
+    s->bytes += 24 * (uint64_t)s->groups;
     GLint most = 0;
     gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
     if ((GLint64)most < (GLint64)s->points)

@@ -18,7 +18,7 @@
 
 struct strands { // zero-initialised is empty
     unsigned position, strand, opacity, colour, axis; // buffers, 0 = not there
-    unsigned bounds;         // buffer: a sphere around each group's points
+    unsigned bounds;         // buffer: each group's box, middle and half sides
     unsigned points_texture; // position as a texture buffer; 0: too many
     uint32_t points, strands, groups;
     float diameter; // in use, file units (the largest where it varies)

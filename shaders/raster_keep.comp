@@ -1,15 +1,21 @@
 #version 450 core
 // Groups of segments of which something may be seen in this sample: before the
-// eye, within the picture, of a strand that is kept.  `bounds` are spheres
+// eye, within the picture, of a strand that is kept.  `bounds` are boxes
 // around their points.  Both rasters decide for each segment anew; here nothing
 // may be lost, hence the margins.
 #include "raster.glsl"
 #include "keep.glsl"
 #include "raster_work.glsl"
 layout(local_size_x = 64) in;
-layout(std430, binding = 2) readonly buffer Bounds { vec4 bounds[]; };
+layout(std430, binding = 2) readonly buffer Bounds { float bounds[]; };
 layout(location = 1) uniform uint groups;
 layout(location = 2) uniform vec2 diameters; // smallest and largest, world
+
+// A row of the way to clip space.
+vec3 row_of(int i)
+{
+    return vec3(view_proj[0][i], view_proj[1][i], view_proj[2][i]);
+}
 
 void main()
 {
@@ -17,16 +23,25 @@ void main()
                                            64u;
     if (n >= groups)
         return;
-    vec4 s = bounds[n];
-    vec3 c = clip_of(s.xyz).xyw;
-    float nearest = max(c.z - s.w, size.w), farthest = c.z + s.w;
+    vec3 middle = vec3(bounds[6u * n], bounds[6u * n + 1u],
+                       bounds[6u * n + 2u]);
+    vec3 side = vec3(bounds[6u * n + 3u], bounds[6u * n + 4u],
+                     bounds[6u * n + 5u]);
+    vec3 c = clip_of(middle).xyw;
+    vec3 x = row_of(0), y = row_of(1), w = row_of(3);
+    float deep = dot(abs(w), side);
+    float nearest = max(c.z - deep, size.w), farthest = c.z + deep;
     // two pixels more: a line's own width, and the jitter
-    float r = s.w + 0.5 * diameters.y + 2.0 * farthest / size.z;
-    vec2 slope = vec2(inversesqrt(dot(right.xyz, right.xyz)),
-                      inversesqrt(dot(up.xyz, up.xyz)));
-    vec2 over = abs(c.xy) - c.z - r * sqrt(1.0 + slope * slope);
-    bool out_of_view = s.w < 0.0 || farthest <= size.w || over.x > 0.0 ||
-                       over.y > 0.0;
+    float wider = 0.5 * diameters.y + 2.0 * farthest / size.z;
+    // how far inside of the picture's four sides is what is farthest inside?
+    vec4 in_view = vec4(c.z - c.x + dot(abs(w - x), side),
+                        c.z + c.x + dot(abs(w + x), side),
+                        c.z - c.y + dot(abs(w - y), side),
+                        c.z + c.y + dot(abs(w + y), side));
+    vec4 more = wider * vec4(length(w - x), length(w + x), length(w - y),
+                             length(w + y));
+    bool out_of_view = side.x < 0.0 || farthest <= size.w ||
+                       any(lessThan(in_view, -more));
     vec2 pixels = diameters * size.z / vec2(farthest, nearest);
     // of how many samples is it, at most?  A line's slope makes up to sqrt 2.
     float share = min(1.43 * pixels.y, 1.0);
