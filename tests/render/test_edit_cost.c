@@ -95,7 +95,7 @@ static const struct kind {
     {"width of a lobe", width, "fibre shade resolve display read", 17, 119760,
      0, false},
     {"sky rotation", turn,
-     "light tint crossings shadow shade resolve display read", 214, 2394528, 1,
+     "light tint crossings shadow shade resolve display read", 231, 2394528, 1,
      true},
     {"camera", zoom, "visible shadow shade resolve display read", 33, 1920, 0,
      true},
