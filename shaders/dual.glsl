@@ -339,8 +339,9 @@ vec3 dual_sum_trt(DualSeries s, DualRule r, float theta_o)
 
 // --- local scattering (eq 29) -----------------------------------------------
 // Integral of S_back cos theta_i with a normalised Gaussian about theta_j of
-// width^2 spread2.
-vec3 dual_back(DualView v, float theta_j, vec3 spread2)
+// width^2 spread2, times lit: what S_back meets has more or less than that
+// Gaussian, but where both have their peaks at most as much.
+vec3 dual_back(DualView v, float theta_j, vec3 spread2, float lit)
 {
     vec3 both = 1.0 / (v.width2 + spread2), r2 = v.width2 * both;
     vec3 away = theta_j - v.centre, z2 = 2.0 * away * away * both;
@@ -349,7 +350,14 @@ vec3 dual_back(DualView v, float theta_j, vec3 spread2)
                  v.peak * r2 * r2 * ((z2 - 6.0) * z2 + 3.0);
     GUARD_LIVE(true);
     GUARD(GUARD_DUAL_BACK, lessThan(shape * exp(-0.5 * z2), vec3(-0.01)));
-    return max(v.mass * shape, 0.0) * (0.564189584 * sqrt(both) * exp(-0.5 * z2));
+    vec3 meet = lit * exp(-0.5 * z2);
+    GUARD(GUARD_DUAL_PEAK, greaterThan(meet, vec3(1.0)));
+    return max(v.mass * shape, 0.0) * (0.564189584 * sqrt(both) * min(meet, 1.0));
+}
+
+vec3 dual_back(DualView v, float theta_j, vec3 spread2)
+{
+    return dual_back(v, theta_j, spread2, 1.0);
 }
 
 // The light's own lobe: cos theta_i and what the circular Gaussian has more than
@@ -373,9 +381,9 @@ vec3 dual_back_direct(DualView v, Srbf l, float cos_phi)
     // I0e of another theta_i goes with the root of its cosine, or with nothing
     float lit = dot(fall * more, vec3(1.0, 4.0, 1.0) / 6.0);
     float i0e = special_i0e(kappa);
-    return dual_back(v, l.theta, vec3(l2)) *
-           (3.5449077 * l.lambda * lit * i0e *
-            dual_half_share(kappa, i0e, cos_phi));
+    // the channels' own centres may lie elsewhere than the mean one
+    return dual_back(v, l.theta, vec3(l2), lit) *
+           (3.5449077 * l.lambda * i0e * dual_half_share(kappa, i0e, cos_phi));
 }
 
 // sigma_f: Xu width of psi_f for each channel; mask: which of R, TT, TRT are

@@ -44,6 +44,7 @@ const int GUARD_DUAL_HALF = 42;      // half a plain Gaussian is not below 0
 const int GUARD_DUAL_RANGE = 43;     // mean over theta spans at least .02
 const int GUARD_DUAL_SIGMA = 44;     // sigma_b is at least 1e-4
 const int GUARD_DUAL_GRAZING = 45;   // cos theta_j is at least 1e-3 (eq 27)
+const int GUARD_DUAL_PEAK = 46;      // light times S_back is at most both peaks
 const int GUARD_SHADOW_LEAST = 64;    // no G(s) is below 7e-6
 const int GUARD_SHADOW_FALL = 65;     // G(s) is not above G(0) (by .001)
 const int GUARD_SHADOW_LAW = 66;      // R(s) stays within bounds (.001 of T_f)

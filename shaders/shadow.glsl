@@ -131,7 +131,8 @@ vec3 shadow_direction(vec3 z, float lambda, uint i, uint n, vec2 shift)
 {
     float l2 = lambda * lambda, u = (float(i) + shift.x) / float(n);
     float less = 1.0 - exp(-4.0 / max(l2, 1e-8));
-    float lack = min(-0.5 * l2 * log(max(1.0 - (1.0 - u) * less, 1e-30)), 2.0);
+    float lack = -0.5 * l2 * log(max(1.0 - (1.0 - u) * less, 1e-30));
+    lack = clamp(lack, 0.0, 2.0); // a log near 1 may be rounded to above 0
     float sine = sqrt(lack * (2.0 - lack));
     float phi = 6.28318531 * fract(0.618033989 * float(i) + shift.y);
     vec3 x, y;

@@ -196,6 +196,46 @@ struct multiple_laws multiple_sweep(enum dual_scheme scheme,
     return laws;
 }
 
+// The channels' lobes stand apart, a narrow light grazes: what its circular
+// Gaussian has more than the plain one where the mean lobe stands, times red's
+// share there, was 1e8.
+long multiple_seen(void)
+{
+    const double deg = PI / 180;
+    struct multiple_law law = {0};
+    struct error err = {0};
+    struct probe_dual *p = multiple_probe(DUAL_SCHEME_BEST);
+    static struct job j;
+    const struct exact_case c = {.eta = 3,
+                                 .sigma_a = 0.25,
+                                 .alpha = {30 * deg, -15 * deg, -30 * deg},
+                                 .beta = {2 * deg, deg, 4 * deg},
+                                 .w_c = 5 * deg,
+                                 .a = 0.71,
+                                 .lambda_j = 2 * deg,
+                                 .theta_j = -90 * deg,
+                                 .phi_j = 90 * deg,
+                                 .theta_o = 30 * deg,
+                                 .delta_eta = 0.3};
+    struct dual_fibre f = fibre_of(&c, false);
+    for (int k = 0; k < LIGHTS; k++) {
+        const double turn = 360 * deg * k / LIGHTS;
+        const double v[IN] = {c.lambda_j, c.theta_j,  turn,       c.theta_o,
+                              0,          c.lambda_j, c.lambda_j, c.lambda_j};
+        for (int i = 0; i < IN; i++)
+            j.in[IN * k + i] = (float)v[i];
+        j.c[k] = c;
+        j.sigma_f[k] = c.lambda_j;
+    }
+    if (!p)
+        return 1;
+    probe_dual_fibre(p, &f);
+    probe_dual_note_guards(p, j.hits);
+    if (CHECK(probe_dual_multiple(p, j.in, LIGHTS, j.out, &err)))
+        judge_multiple(&j, DUAL_SCHEME_BEST, &law);
+    return law.bad;
+}
+
 // --- brute force ------------------------------------------------------------
 enum { TRUTHS = 6 }; // lights of a fibre that are compared
 struct answer {

@@ -29,6 +29,10 @@ void multiple_close(void);
 struct multiple_laws multiple_sweep(enum dual_scheme scheme,
                                     enum vectors_region region, int fibres);
 
+// Vectors that sweeps of millions found and that a sweep of seconds would miss:
+// those that break a law.
+long multiple_seen(void);
+
 struct multiple_truth {                           // of one region, both schemes
     struct cases_errors fibre[MULTIPLE_SCHEMES];  // of a_f, absolute
     struct cases_errors global[MULTIPLE_SCHEMES]; // of M^G, the sum

@@ -38,8 +38,9 @@ static void *array(size_t count, size_t size)
     return p;
 }
 
-// Lights and views that share a fibre, where a probe makes lobes for each.
-enum { SHARED = 8 };
+// Lights and views that share a fibre, where a probe makes lobes for each; of
+// round values there are few.
+enum { SHARED = 8, SHARED_ROUND = 64 };
 
 // group: so many vectors one after the other are of one fibre.
 static struct set set_create(enum vectors_region region, size_t count,
@@ -177,8 +178,9 @@ struct single_law single_sweep(const struct single_way *way,
                                enum vectors_region region, long count)
 {
     struct single_law law = {0};
+    size_t shared = region == VECTORS_ROUND ? SHARED_ROUND : SHARED;
     struct set s = set_create(region, (size_t)count, 1000 + (uint64_t)region,
-                              way->setup.best ? SHARED : 1);
+                              way->setup.best ? shared : 1);
     if (on_gpu(&s, way, true))
         judge(&s, way->name, &law);
     else

@@ -7,6 +7,7 @@
 #include "tests/extremes/single.h"
 #include "tests/extremes/shadows.h"
 #include "tests/extremes/switches_dual.h"
+#include "tests/extremes/tables.h"
 
 #include <stdlib.h>
 
@@ -37,8 +38,9 @@ static void test_single(void)
         snprintf(name, sizeof name, "extremes_single_%s", single_ways[w].name);
         check_case(name);
         for (enum vectors_region r = 0; r < VECTORS_REGIONS; r++) {
-            struct single_law law = single_sweep(&single_ways[w], r, 2000);
-            CHECK(law.vectors == 2000 && law.bad == 0);
+            long count = r == VECTORS_ROUND ? 20000 : 2000;
+            struct single_law law = single_sweep(&single_ways[w], r, count);
+            CHECK(law.vectors == count && law.bad == 0);
             if (r == VECTORS_TYPICAL && !CHECK(none(law.hits)))
                 show(law.hits);
             for (int g = 0; g < GUARDS_MAX; g++) {
@@ -60,7 +62,9 @@ static void test_multiple(void)
         struct multiple_laws laws[VECTORS_REGIONS];
         for (enum vectors_region r = 0; r < VECTORS_REGIONS; r++)
             laws[r] = multiple_sweep((enum dual_scheme)s, r,
-                                     r == VECTORS_TYPICAL ? 20 : 3);
+                                     r == VECTORS_TYPICAL ? 20
+                                     : r == VECTORS_ROUND ? 40
+                                                          : 3);
         check_case(name[s][0]);
         for (int r = 0; r < VECTORS_REGIONS; r++)
             CHECK(laws[r].fibre.vectors > 0 && laws[r].fibre.bad == 0);
@@ -69,6 +73,17 @@ static void test_multiple(void)
             CHECK(laws[r].multiple.vectors > 0 && laws[r].multiple.bad == 0);
         if (!CHECK(none(laws[VECTORS_TYPICAL].multiple.hits)))
             show(laws[VECTORS_TYPICAL].multiple.hits);
+    }
+    check_case("extremes_multiple_seen");
+    CHECK(multiple_seen() == 0);
+}
+
+static void test_tables(void)
+{
+    check_case("extremes_tables");
+    for (enum vectors_region r = 0; r < VECTORS_REGIONS; r++) {
+        struct tables_law law = tables_sweep(r, r == VECTORS_ROUND ? 60 : 10);
+        CHECK(law.vectors > 0 && law.bad == 0);
     }
 }
 
@@ -201,6 +216,7 @@ int main(void)
     }
     test_single();
     test_multiple();
+    test_tables();
     test_noting();
     test_truth();
     test_switches();
@@ -208,6 +224,7 @@ int main(void)
     test_shadows();
     single_close();
     multiple_close();
+    tables_close();
     egl_destroy(gl);
     test_frames(getenv("GLINT_LONG") ? 42 : 5, 5);
     return check_end();

@@ -30,6 +30,7 @@ const struct vectors_region_row vectors_regions[VECTORS_REGIONS] = {
     {"several", "two to five of the above"},
     {"box", "anything legal, logarithmic where the range is"},
     {"corner", "every value at a limit"},
+    {"round", "values as people write them, some in float steps beside"},
 };
 
 static double flat(uint64_t *s, double lo, double hi)
@@ -170,6 +171,71 @@ static void fill_corner(struct exact_case *c, uint64_t *s)
     c->phi_o = coin(s) ? 0 : (coin(s) ? -180 : 180) * deg;
 }
 
+// What no random number meets: zeros, halves and doubles of each other, a light
+// as wide as a caustic, lobe and light centre on centre or right opposite.
+#define ONE_OF(s, list) one_of(s, list, (int)(sizeof(list) / sizeof *(list)))
+static double one_of(uint64_t *s, const double *list, int count)
+{
+    return list[(int)flat(s, 0, count)];
+}
+
+// Up to two floats away, in one of two cases.
+static double beside(uint64_t *s, double v)
+{
+    float f = (float)v;
+    for (int n = coin(s) ? (int)flat(s, 0, 3) : 0; n > 0; n--)
+        f = nextafterf(f, coin(s) ? 9 : -9);
+    return (double)f;
+}
+
+static void fill_round_fibre(struct exact_case *c, uint64_t *s)
+{
+    static const double eta[] = {
+        1.05, 1.1, 1.2,        1.25, 1.3, 1.33, 1.41421356, 1.4,  1.5, 1.55,
+        1.6,  1.7, 1.73205081, 1.75, 2,   2.25, 2.5,        2.75, 3};
+    static const double sigma[] = {0,  .01, .05, .1, .15, .2,  .25,
+                                   .5, 1,   2,   5,  10,  100, 1000};
+    static const double alpha[] = {0, 0, -2, -3, -5, -7.5, -10, 5, -30, 30};
+    static const double width[] = {.5, 1,  2,  2.5, 5,  7.5,
+                                   10, 15, 20, 30,  45, 60};
+    static const double a[] = {1, 1, 1, 1, .71, .8, .9, 1.1, 1.25, 1.41};
+    c->eta = ONE_OF(s, eta);
+    c->sigma_a = ONE_OF(s, sigma);
+    c->alpha[0] = ONE_OF(s, alpha) * deg;
+    c->beta[0] = ONE_OF(s, width) * deg;
+    bool alike = coin(s); // else tied as the parameters' `auto` has them
+    c->alpha[1] = c->alpha[0] * (alike ? 1 : -.5);
+    c->alpha[2] = c->alpha[0] * (alike ? 1 : -1.5);
+    c->beta[1] = c->beta[0] * (alike ? 1 : .5);
+    c->beta[2] = c->beta[0] * (alike ? 1 : 2);
+    c->w_c = ONE_OF(s, width) * deg;
+    c->a = ONE_OF(s, a);
+}
+
+static void fill_round(struct exact_case *c, uint64_t *s)
+{
+    static const double lambda[] = {.001, .002, .01, .02, .05, .1, .2,
+                                    .25,  .5,   1,   1.5, 2,   5,  10};
+    static const double width[] = {.5, 1,  2,  2.5, 5,  7.5,
+                                   10, 15, 20, 30,  45, 60};
+    static const double theta[] = {0,   0,   0,   10,  15,  30,  45,
+                                   60,  75,  80,  89,  90,  -5,  -10,
+                                   -15, -30, -45, -60, -75, -80, -90};
+    static const double phi[] = {0,   0,   0,   15,  30,  45,  60,  90,   120,
+                                 135, 150, 180, 180, 180, -30, -90, -180, 360};
+    fill_round_fibre(c, s);
+    c->lambda_j = coin(s) ? ONE_OF(s, lambda) : ONE_OF(s, width) * deg;
+    c->theta_j = ONE_OF(s, theta) * deg;
+    c->theta_o = ONE_OF(s, theta) * deg;
+    if (coin(s)) // centre on centre, where that is legal
+        c->theta_o = 2 * c->alpha[(int)flat(s, 0, EXACT_MODES)] - c->theta_j;
+    c->phi_j = beside(s, ONE_OF(s, phi) * deg);
+    c->phi_o = beside(s, ONE_OF(s, phi) * deg);
+    c->lambda_j = beside(s, c->lambda_j);
+    c->theta_j = beside(s, c->theta_j);
+    c->theta_o = beside(s, c->theta_o);
+}
+
 // A float's limit may lie beyond the double's (pi/2): bring it inside.
 static double inside(double v, double lo, double hi)
 {
@@ -223,6 +289,8 @@ struct exact_case vectors_case(uint64_t *s, enum vectors_region region)
         fill_box(&c, s);
     else if (region == VECTORS_CORNER)
         fill_corner(&c, s);
+    else if (region == VECTORS_ROUND)
+        fill_round(&c, s);
     else if (region == VECTORS_SEVERAL)
         for (int n = 2 + (int)flat(s, 0, 4); n > 0; n--)
             make_extreme(&c, s, (int)flat(s, VECTORS_FIRST, VECTORS_SEVERAL));

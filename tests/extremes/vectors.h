@@ -28,6 +28,7 @@ enum vectors_region {
     VECTORS_SEVERAL, // two to five of them
     VECTORS_BOX,     // anything that is legal
     VECTORS_CORNER,  // everything at a limit
+    VECTORS_ROUND,   // what random numbers never meet
     VECTORS_REGIONS
 };
 
