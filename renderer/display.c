@@ -2,8 +2,10 @@
 #include "renderer/display.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "protocol/bytes.h"
 #include "renderer/gl.h"
 #include "renderer/program.h"
 
@@ -69,6 +71,23 @@ static bool program(struct display *d, int background, struct error *err)
     return d->program[background] != 0;
 }
 
+// Row by row: what is above the largest half would become infinite, and between
+// texels no number.
+static void upload_rows(unsigned sky, const struct sky_map *map)
+{
+    const size_t values = 3 * (size_t)map->width;
+    float *row = bytes_alloc(values * sizeof *row);
+    gl.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    for (int y = 0; y < map->height; y++) {
+        const float *from = map->rgb + values * (size_t)y;
+        for (size_t i = 0; i < values; i++)
+            row[i] = fminf(from[i], 65504);
+        gl.TextureSubImage2D(sky, 0, 0, y, map->width, 1, GL_RGB, GL_FLOAT,
+                             row);
+    }
+    free(row);
+}
+
 static void upload_sky(struct display *d, const struct sky_map *map)
 {
     if (d->sky_of == map)
@@ -76,9 +95,7 @@ static void upload_sky(struct display *d, const struct sky_map *map)
     display_forget_sky(d);
     gl.CreateTextures(GL_TEXTURE_2D, 1, &d->sky);
     gl.TextureStorage2D(d->sky, 1, GL_RGB16F, map->width, map->height);
-    gl.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    gl.TextureSubImage2D(d->sky, 0, 0, 0, map->width, map->height, GL_RGB,
-                         GL_FLOAT, map->rgb);
+    upload_rows(d->sky, map);
     gl.TextureParameteri(d->sky, GL_TEXTURE_WRAP_S, GL_REPEAT);
     gl.TextureParameteri(d->sky, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     gl.TextureParameteri(d->sky, GL_TEXTURE_MIN_FILTER, GL_LINEAR);

@@ -66,6 +66,7 @@ vec3 background(vec3 ray)
 // form fitted here: x (x + .35) / (x (x + .9) + .35), slope 1 at zero).
 vec3 curve(vec3 x)
 {
+    x = min(x, 1e9); // white; the square of more may be infinite
     if (view_curve == 1)
         x = x * (x + 0.35) / (x * (x + 0.9) + 0.35);
     x = clamp(x, 0.0, 1.0);

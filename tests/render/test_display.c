@@ -183,11 +183,40 @@ static void sky(void)
     renderer_destroy(r);
 }
 
+// A sky brighter than a half holds, and hair in it that comes to 1e21 before
+// the tone curve, whose square no float holds.
+static void brightest(void)
+{
+    struct params p;
+    base(&p);
+    p.view.background = 2;
+    struct renderer *r =
+        scene_renderer(scene_lock(1, 6), scene_constant_sky(1e8f), &p);
+    scene_finish(r);
+    for (int k = 0; k < 4; k++) {
+        int darkest = 255;
+        check_case(k < 2 ? "a sky beyond halves is white"
+                         : "the brightest that may be asked for is white");
+        p.view.curve = k % 2;
+        p.tint.exposure = p.view.exposure = k < 2 ? 0 : 20;
+        for (int c = 0; c < 3; c++)
+            p.tint.colour[c] = k < 2 ? 1 : 100;
+        renderer_set_params(r, &p);
+        struct buf b = scene_display(r);
+        for (size_t i = 0; i < b.size; i++)
+            darkest = b.data[i] < darkest ? b.data[i] : darkest;
+        CHECK(b.size > 0 && darkest == 255);
+        buf_finish(&b);
+    }
+    renderer_destroy(r);
+}
+
 int main(int argc, char **argv)
 {
     sky_helper_main(argc, argv);
     curves();
     head();
     sky();
+    brightest();
     return check_end();
 }
