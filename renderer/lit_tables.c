@@ -69,6 +69,7 @@ struct lit_tables {
     float lambda[LIGHTS];
     int lights;
     uint32_t cells, far_cells, columns; // columns: most of any light
+    unsigned made;                      // the order of records
     uint32_t places;                    // with records
     bool planned; // block is of this fibre and these lights
     bool near_stale, far_stale, marked;
@@ -95,9 +96,9 @@ void lit_tables_forget(struct lit_tables *t)
     t->marked = false;
 }
 
-bool lit_tables_marked(const struct lit_tables *t)
+bool lit_tables_marked(const struct lit_tables *t, unsigned made)
 {
-    return t->marked;
+    return t->marked && t->made == made;
 }
 
 // --- sizes -------------------------------------------------------------------
@@ -348,7 +349,7 @@ bool lit_tables_keep(struct lit_tables *t, uint32_t places, struct error *err)
     return sort_places(t, places, t->buffer[MARKS], err);
 }
 
-void lit_tables_mark(struct lit_tables *t, unsigned program)
+void lit_tables_mark(struct lit_tables *t, unsigned program, unsigned made)
 {
     clear(t->buffer[MARKS]);
     gl.BindBufferBase(GL_UNIFORM_BUFFER, LIT_TABLES_BINDING, t->uniform);
@@ -358,6 +359,7 @@ void lit_tables_mark(struct lit_tables *t, unsigned program)
                       t->buffer[RECORDS]);
     lit_tables_read(t, program);
     t->marked = true;
+    t->made = made;
     t->wanted = NOTHING;
 }
 

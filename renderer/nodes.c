@@ -127,5 +127,7 @@ void nodes_run(const struct nodes *n, const struct nodes_request *q,
 void nodes_made(struct nodes *n, const struct nodes_request *q)
 {
     gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-    n->first_valid |= q->part == 0 && q->rays == 0;
+    const bool first = q->part == 0 && q->rays == 0;
+    n->first_valid |= first;
+    n->made += first;
 }

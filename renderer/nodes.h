@@ -29,6 +29,7 @@ struct nodes_store {
 struct nodes {
     struct nodes_store first, rest;
     bool first_valid;
+    unsigned made;        // how often the first one was
     unsigned program[32]; // bits: see nodes.c; compiled when asked for
     unsigned now;         // that nodes_make bound
 };

@@ -108,6 +108,7 @@ static void exchange(struct renderer *r)
     SWAP(struct nodes_store, r->nodes.first, v->nodes.first);
     SWAP(struct nodes_store, r->nodes.rest, v->nodes.rest);
     SWAP(bool, r->nodes.first_valid, v->nodes.first_valid);
+    SWAP(unsigned, r->nodes.made, v->nodes.made);
     SWAP(struct camera, r->camera, v->camera);
     if (renderer_draft_owns_strands(r))
         SWAP(struct strands, r->strands, d->strands);

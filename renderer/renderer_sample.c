@@ -113,6 +113,7 @@ static struct shading_sample sample_of(const struct renderer *r, int k,
         .lights = modes ? NULL : &r->lights,
         .picture = &r->picture,
         .again = k == 0 && (!nodes || nodes == &r->nodes.first),
+        .made = nodes ? r->nodes.made : 0,
     };
 }
 

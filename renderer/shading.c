@@ -335,7 +335,7 @@ static bool mark_places(struct shading *s, const struct strands *strands,
         s->mark = program;
         snprintf(s->mark_defines, sizeof s->mark_defines, "%s", defines);
     }
-    lit_tables_mark(s->lit, s->mark);
+    lit_tables_mark(s->lit, s->mark, how->made);
     program_use(s->mark);
     gl.ProgramUniform1ui(s->mark, PART_LOCATION, (GLuint)how->part);
     shading_bind_inputs(s, s->mark, strands, how->nodes);
@@ -367,7 +367,7 @@ static bool light_places(struct shading *s, const struct strands *strands,
     add(defines, lit_tables_rest(s->lit) ? "LIT LIT_REST" : "LIT");
     if (!finds_again(s, how))
         return true;
-    const bool marked = lit_tables_marked(s->lit);
+    const bool marked = lit_tables_marked(s->lit, how->made);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, strands->position);
     if (!marked &&
         !lit_tables_keep(s->lit, how->nodes ? how->nodes->stride : 0, err))

@@ -72,7 +72,8 @@ struct shading_sample {
     // lights, and the picture whose places are shaded.  NULL: mode by mode.
     const struct lights *lights;
     const struct picture *picture;
-    bool again; // the same places as ever since shading_forget
+    bool again;    // the same places as ever since shading_forget,
+    unsigned made; // in the order of these transmittances (nodes.h)
 };
 
 // The places that a first sample sees, or what of the lights reaches them, have

@@ -123,6 +123,15 @@ static void law(void)
         buf_finish(&fresh);
         buf_finish(&back);
     }
+    check_case("forward and back changes nothing");
+    struct params p = start;
+    p.render.path = 1; // lists of its own, in whose order places then come
+    renderer_set_params(r, &p);
+    CHECK(scene_finish(r));
+    renderer_set_params(r, &start);
+    struct buf back = scene_linear(r);
+    CHECK(scene_same(&back, &first));
+    buf_finish(&back);
     buf_finish(&first);
     renderer_destroy(r);
 }
