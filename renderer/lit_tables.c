@@ -72,7 +72,7 @@ struct lit_tables {
     unsigned made;                      // the order of records
     uint32_t places;                    // with records
     bool planned; // block is of this fibre and these lights
-    bool near_stale, far_stale, marked;
+    bool near_stale, far_stale, marked, recorded;
     enum wanted wanted; // what `wanted` holds
     unsigned buffer[BUFFERS], texture[BUFFERS], uniform;
     uint64_t bytes[BUFFERS];
@@ -93,12 +93,17 @@ void lit_tables_fibre(struct lit_tables *t, const struct lit_fibre *f)
 
 void lit_tables_forget(struct lit_tables *t)
 {
-    t->marked = false;
+    t->marked = t->recorded = false;
 }
 
 bool lit_tables_marked(const struct lit_tables *t, unsigned made)
 {
     return t->marked && t->made == made;
+}
+
+bool lit_tables_recorded(const struct lit_tables *t, unsigned made)
+{
+    return t->recorded && t->made == made;
 }
 
 // --- sizes -------------------------------------------------------------------
@@ -339,6 +344,7 @@ bool lit_tables_keep(struct lit_tables *t, uint32_t places, struct error *err)
     const uint64_t lights = (uint64_t)t->lights;
     const uint64_t bytes = places * lights * RECORD_BYTES;
     t->places = bytes <= RECORDS_MAX ? places : 0;
+    t->recorded = false;
     if (t->places == 0)
         return true;
     // the marks' buffer serves for the bins
@@ -359,6 +365,7 @@ void lit_tables_mark(struct lit_tables *t, unsigned program, unsigned made)
                       t->buffer[RECORDS]);
     lit_tables_read(t, program);
     t->marked = true;
+    t->recorded = t->places > 0;
     t->made = made;
     t->wanted = NOTHING;
 }

@@ -57,13 +57,15 @@ bool lit_tables_rest(const struct lit_tables *t);
 
 // What places read has changed: marks and records are to be made anew.
 void lit_tables_forget(struct lit_tables *t);
-// Are there marks of what is to be shaded, and records in the order that goes
-// by this number?
+// Are there marks of what is to be shaded, and records, if any, in the order
+// that goes by this number?  Are there records?  (They outlive another size of
+// cells.)
 bool lit_tables_marked(const struct lit_tables *t, unsigned made);
-// If not: makes room for records of so many places and sorts them (0, or too
-// many for a buffer: none are kept; the cells of the picture's first part are
-// bound), then clears the marks and binds what `program` needs, which marks and
-// makes records (shaders/lit_mark.comp).
+bool lit_tables_recorded(const struct lit_tables *t, unsigned made);
+// If neither: makes room for records of so many places and sorts them (0, or
+// too many for a buffer: none are kept; the cells of the picture's first part
+// are bound), then clears the marks and binds what `program` needs, which marks
+// and makes records (shaders/lit_mark.comp).
 bool lit_tables_keep(struct lit_tables *t, uint32_t places, struct error *err);
 void lit_tables_mark(struct lit_tables *t, unsigned program, unsigned made);
 // How many places have records; `program` will read them.

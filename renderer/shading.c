@@ -23,6 +23,8 @@ enum {
     XU_M_LOCATION = 16 // xu.glsl
 };
 
+#define MARK "LIT_MARK" // the word of programs that mark
+
 void shading_init(struct shading *s)
 {
     memset(s, 0, sizeof *s);
@@ -42,7 +44,6 @@ void shading_finish(struct shading *s)
     dual_tables_destroy(s->dual);
     fast_tables_destroy(s->fast);
     lit_tables_destroy(s->lit);
-    program_drop(s->mark);
     memset(s, 0, sizeof *s);
 }
 
@@ -265,7 +266,9 @@ static unsigned program_of(struct shading *s, const char *defines,
         if (v->age < oldest->age)
             oldest = v;
     }
-    unsigned program = program_compute("shade_cells.comp", defines, err);
+    unsigned program = program_compute(
+        strstr(defines, MARK) ? "lit_mark.comp" : "shade_cells.comp", defines,
+        err);
     if (!program)
         return 0;
     program_drop(oldest->program);
@@ -327,18 +330,16 @@ static bool mark_places(struct shading *s, const struct strands *strands,
                         const struct shading_sample *how, const char *defines,
                         struct error *err)
 {
-    if (!s->mark || strcmp(s->mark_defines, defines) != 0) {
-        unsigned program = program_compute("lit_mark.comp", defines, err);
-        if (!program)
-            return false;
-        program_drop(s->mark);
-        s->mark = program;
-        snprintf(s->mark_defines, sizeof s->mark_defines, "%s", defines);
-    }
-    lit_tables_mark(s->lit, s->mark, how->made);
-    program_use(s->mark);
-    gl.ProgramUniform1ui(s->mark, PART_LOCATION, (GLuint)how->part);
-    shading_bind_inputs(s, s->mark, strands, how->nodes);
+    char words[SHADING_DEFINES];
+    snprintf(words, sizeof words, "%s", defines);
+    add(words, lit_tables_recorded(s->lit, how->made) ? MARK : MARK " LIT_NEW");
+    const unsigned program = program_of(s, words, err);
+    if (!program)
+        return false;
+    lit_tables_mark(s->lit, program, how->made);
+    program_use(program);
+    gl.ProgramUniform1ui(program, PART_LOCATION, (GLuint)how->part);
+    shading_bind_inputs(s, program, strands, how->nodes);
     if (how->nodes)
         picture_dispatch_some(how->picture, how->nodes->stride);
     else
@@ -369,7 +370,7 @@ static bool light_places(struct shading *s, const struct strands *strands,
         return true;
     const bool marked = lit_tables_marked(s->lit, how->made);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, strands->position);
-    if (!marked &&
+    if (!marked && !lit_tables_recorded(s->lit, how->made) &&
         !lit_tables_keep(s->lit, how->nodes ? how->nodes->stride : 0, err))
         return false;
     if (lit_tables_kept(s->lit) > 0)

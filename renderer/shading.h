@@ -17,7 +17,7 @@
 #include "renderer/strands.h"
 #include "renderer/xu_tables.h"
 
-enum { SHADING_VARIANTS = 12, SHADING_DEFINES = 160 };
+enum { SHADING_VARIANTS = 16, SHADING_DEFINES = 192 };
 
 struct shading_variant {
     char defines[SHADING_DEFINES];
@@ -36,9 +36,7 @@ struct shading {
     struct dual_tables *dual; // made when it is first asked for
     struct fast_tables *fast; // the same
     struct lit_tables *lit;   // the same
-    unsigned mark;            // program of mark_defines; 0: none
-    char mark_defines[SHADING_DEFINES];
-    const char *refused; // why tables were asked for in vain, or NULL
+    const char *refused;      // why tables were asked for in vain, or NULL
     bool circular, opaque, shadowed, multiple;
     bool tabled;         // render.path=table, and the tables hold
     bool best;           // single scattering by scheme `best`

@@ -38,16 +38,21 @@ void main()
     float view = lit_view(p.theta_o);
     for (uint j = 0u; j < light_count; j++) {
         uvec4 table = lit_light[j];
+#if defined(LIT_KEPT) && !defined(LIT_NEW)
+        uvec4 r = texelFetch(lit_records, int(j * lit_places + lit_at_record));
+#else
         uvec4 r = lit_record(p, lights[j].place, nodes_of(j, c, at));
 #ifdef LIT_KEPT
         records[j * lit_places + lit_at_record] = r;
+#endif
 #endif
         LitPair l = lit_pair(r);
         if (table.y == 0u || l.clear < LIT_LEAST)
             continue;
         vec3 place = lit_place(table, p.theta_o + l.theta_j, view, l.across);
-        // Both sides of an edge: another program may round otherwise.
         mark(table, place + 1e-3);
-        mark(table, place - 1e-3);
+        // Both sides of an edge: another program may round otherwise.
+        if (any(greaterThan(abs(fract(place) - 0.5), vec3(0.499))))
+            mark(table, place - 1e-3);
     }
 }
