@@ -253,10 +253,14 @@ bool renderer_layers_on(struct renderer *r, struct error *err)
     return true;
 }
 
-void renderer_layers_off(struct renderer *r)
+bool renderer_layers_off(struct renderer *r)
 {
+    const bool again = r->layers.on && r->shading.tabled;
     egl_use(r->egl);
+    if (again)
+        restart(r, r->refined);
     layers_drop(&r->layers);
+    return again;
 }
 
 // --- a step ------------------------------------------------------------------

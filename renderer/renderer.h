@@ -156,11 +156,13 @@ bool renderer_read_linear(struct renderer *r, struct buf *out,
 enum { RENDERER_LAYERS = 5 };
 extern const char *const renderer_layer_names[RENDERER_LAYERS];
 // From now on each sample makes them too, out of the same cells and shadows;
-// the picture begins anew, the same bit for bit.  Fails when render.components
-// is not all, which must stay so.  off: ends that and frees their memory (16
-// bytes for each cell and pixel); the picture stays.
+// the picture begins anew, the same bit for bit, but where tables light it: it
+// adds up to its parts then, which are read mode by mode.  Fails when
+// render.components is not all, which must stay so.  off: ends that and frees
+// their memory (16 bytes for each cell and pixel); the picture stays, or, of
+// tables, begins anew once more: true.
 bool renderer_layers_on(struct renderer *r, struct error *err);
-void renderer_layers_off(struct renderer *r);
+bool renderer_layers_off(struct renderer *r);
 // As renderer_read_linear.  A part that this scene leaves out is black.
 bool renderer_read_layer(struct renderer *r, int layer, struct buf *out,
                          struct error *err);

@@ -418,7 +418,8 @@ bool studio_capture_layers(struct studio *s, struct error *err)
 
 void studio_capture_leave(struct studio *s)
 {
-    renderer_layers_off(s->renderer);
+    if (renderer_layers_off(s->renderer))
+        restart(s);
 }
 
 bool studio_capture_end(struct studio *s, const struct still_encoding *how,

@@ -54,8 +54,14 @@ def layers_add_up(d):
                  n + " is not black")
         plain, whole = capture(c)
         true("layers" not in plain, "no layers unless asked")
+        # Without parts tables of each light are read, with all modes added up:
+        # up to 4.9e-3 of the brightest was measured to differ.
+        near = 0.01 if frame["path"] == "table" else 0
+        top = max(planes["R"])
         for x in "RGBA":
-            true(whole[x] == planes[x], "the whole, bit for bit: " + x)
+            apart = max(abs(a - b) for a, b in zip(whole[x], planes[x]))
+            print("  %s apart %.1e" % (x, apart / top))
+            true(apart <= near * top, "the whole: " + x)
     c.close()
 
 
