@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "protocol/json.h"
+#include "server/stats.h"
 
 static void put_stages(struct json *j, const struct bench_times *t)
 {
@@ -12,18 +13,6 @@ static void put_stages(struct json *j, const struct bench_times *t)
     for (int i = 0; i < RENDERER_STAGES; i++)
         if (t->stage[i] >= 0)
             json_put_number(j, renderer_stage_names[i], t->stage[i]);
-    json_close_object(j);
-}
-
-static void put_work(struct json *j, const struct gl_counts *w)
-{
-    json_key(j, "work");
-    json_open_object(j);
-    json_put_int(j, "dispatches", (int64_t)w->dispatches);
-    json_put_int(j, "draws", (int64_t)w->draws);
-    json_put_int(j, "upload_bytes", (int64_t)w->upload_bytes);
-    json_put_int(j, "allocations", (int64_t)w->allocations);
-    json_put_int(j, "programs", (int64_t)w->programs);
     json_close_object(j);
 }
 
@@ -92,7 +81,7 @@ void bench_edits_json(const struct bench_edits_scene *s,
     json_put_number(&j, "ratio_cpu", row->forward_cpu / t->processor);
     json_put_int(&j, "paper_forward_edits", row->forward_runs);
     put_stages(&j, t);
-    put_work(&j, &t->work);
+    stats_put_work(&j, &t->work);
     json_put_string(&j, "path", row->path);
     json_put_int(&j, "lights", row->lights);
     json_put_int(&j, "points", row->points);

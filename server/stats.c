@@ -96,7 +96,7 @@ static void put_vector(struct json *j, const char *key, const float v[3])
     json_close_array(j);
 }
 
-static void put_work(struct json *j, const struct gl_counts *w)
+void stats_put_work(struct json *j, const struct gl_counts *w)
 {
     json_key(j, "work");
     json_open_object(j);
@@ -126,7 +126,7 @@ static void put_picture(struct json *j, const struct engine_stats *e)
     put_vector(j, "target", r->target);
     json_key(j, "stages");
     frame_put_stages(j, r->stage_ms);
-    put_work(j, &r->work);
+    stats_put_work(j, &r->work);
     put_left_out(j, r);
     put_fit(j, r);
 }
