@@ -1,8 +1,8 @@
-// lit_tables.c - sizes, buffers and dispatches of the tables of lights.  What a
-// cell holds is the shaders' affair, which cells are read, shading.c's.
+// lit_tables.c - buffers and dispatches of the tables of lights; their shape is
+// lit_plan.c's.  What a cell holds is the shaders' affair, which cells are read,
+// shading.c's.
 #include "renderer/lit_tables.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,15 +10,8 @@
 #include "renderer/gl.h"
 #include "renderer/program.h"
 
-static const double pi = 3.14159265358979323846;
-
 enum {
-    LIGHTS = LIT_TABLES_LIGHTS,
-    ROWS_MAX = 160,      // of s: half a turn each way
-    PHIS_MAX = 48,       // over |Phi|
-    CELLS_MAX = 3500000, // of all lights: 112 MB
-    NEAR_BYTES = 32,
-    FAR_BYTES = 32,
+    LIGHTS = LIT_PLAN_LIGHTS,
     VALUE_BYTES = 16,
     RECORD_BYTES = 16,
     RECORDS_MAX = 112 << 20, // bytes: some drivers end at 128 MiB
@@ -35,13 +28,6 @@ enum {
     PLACES_LOCATION = 6, // lit_record.glsl
     GROUP = 64
 };
-// A cell of s over the width of light and narrowest lobe together, one of |Phi|
-// over that of light and caustic: what they cost and err is in docs/METHODS.md.
-static const double step_s = 0.5, step_p = 0.8;
-// ln sigma_f of the far table: from here or the narrowest light to there.
-static const double far_least = 0.03, far_most = 12, far_log = 2.0;
-static const double far_widths = .45;
-
 enum wanted { NOTHING, MARKED, ALL };
 enum { CELLS, VALUES, WANTED, MARKS, RECORDS, ORDER, BUFFERS };
 enum {
@@ -58,20 +44,14 @@ enum {
 static const unsigned format[BUFFERS] = {GL_RGBA32UI, GL_RGBA32F,  GL_R32UI,
                                          GL_R32UI,    GL_RGBA32UI, GL_R32UI};
 
-struct block { // uniform block Lit
-    float far[4];
-    uint32_t from[4], light[LIGHTS][4], rest[LIGHTS / 4][4];
-};
-
 struct lit_tables {
     struct lit_fibre fibre;
-    struct block block;
+    struct lit_plan plan;
     float lambda[LIGHTS];
     int lights;
-    uint32_t cells, far_cells, columns; // columns: most of any light
-    unsigned made;                      // the order of records
-    uint32_t places;                    // with records
-    bool planned; // block is of this fibre and these lights
+    unsigned made;   // the order of records
+    uint32_t places; // with records
+    bool planned;    // plan is of this fibre and these lights
     bool near_stale, far_stale, marked, recorded;
     enum wanted wanted; // what `wanted` holds
     unsigned buffer[BUFFERS], texture[BUFFERS], uniform;
@@ -104,78 +84,6 @@ bool lit_tables_marked(const struct lit_tables *t, unsigned made)
 bool lit_tables_recorded(const struct lit_tables *t, unsigned made)
 {
     return t->recorded && t->made == made;
-}
-
-// --- sizes -------------------------------------------------------------------
-
-// The next of 16, 19, 23, 27, 32 ...: a hand that moves a width does not
-// change the tables' shape with every step, and marks hold.
-static uint32_t rows_for(double cells)
-{
-    double rows = 16;
-    while (rows < cells - 1e-6)
-        rows *= 1.189207115;
-    return (uint32_t)lrint(rows);
-}
-
-static double narrowest(const struct lit_fibre *f)
-{
-    const double *b = f->fibre.beta;
-    return 2.82842712 * (f->opaque ? b[0] : fmin(b[0], fmin(b[1], b[2])));
-}
-
-static uint32_t phis_for(double cells)
-{
-    uint32_t n = 4 * (uint32_t)ceil(cells / 4 - 1e-6);
-    return n < 8 ? 8 : n > PHIS_MAX ? PHIS_MAX : n;
-}
-
-static void plan_near(struct lit_tables *t, struct block *b)
-{
-    const double w = narrowest(&t->fibre), w_c = t->fibre.fibre.w_c;
-    uint32_t rest = 0;
-    t->cells = t->columns = 0;
-    for (int j = 0; j < t->lights; j++) {
-        const double lambda = (double)t->lambda[j];
-        memcpy(&b->light[j][3], &t->lambda[j], sizeof t->lambda[j]);
-        const uint32_t rows = rows_for(2 * pi / (step_s * hypot(w, lambda)));
-        const uint32_t phis = phis_for(pi / (step_p * hypot(lambda, w_c)));
-        const float per_s = (float)(rows / (2 * pi));
-        const uint32_t cells = rows * LIT_TABLES_D * phis;
-        if (rows > ROWS_MAX || t->cells + cells > CELLS_MAX) {
-            b->rest[rest / 4][rest % 4] = (uint32_t)j;
-            rest++;
-            continue;
-        }
-        memcpy(&b->light[j][0], &per_s, sizeof per_s);
-        b->light[j][1] = rows << 16 | phis;
-        b->light[j][2] = t->cells;
-        t->cells += cells;
-        if (rows * LIT_TABLES_D > t->columns)
-            t->columns = rows * LIT_TABLES_D;
-    }
-    b->from[1] = rest;
-    b->from[2] = t->columns;
-}
-
-static void plan_far(struct lit_tables *t, struct block *b)
-{
-    const double w = narrowest(&t->fibre);
-    double least = 1;
-    for (int j = 0; j < t->lights; j++)
-        least = fmin(least, (double)t->lambda[j]);
-    const double first = log(fmax(least, far_least));
-    const double slices = ceil((log(far_most) - first) * far_log);
-    const double finest = hypot(w, exp(first + 0.5 / far_log));
-    const uint32_t rows = rows_for(2 * pi / (far_widths * finest));
-    b->far[0] = (float)first;
-    b->far[1] = (float)slices;
-    b->far[2] = (float)(rows < ROWS_MAX ? rows : ROWS_MAX);
-    b->far[3] = (float)(w * w);
-    b->from[0] = t->cells * (NEAR_BYTES / 16);
-    t->far_cells = t->fibre.multiple ? (uint32_t)(b->far[1] * b->far[2]) *
-                                           LIT_TABLES_FAR_D * LIT_TABLES_FAR_P
-                                     : 0;
 }
 
 // --- on the device -----------------------------------------------------------
@@ -219,13 +127,16 @@ static bool grow(struct lit_tables *t, int i, uint64_t bytes, struct error *err)
     return true;
 }
 
-static bool make_room(struct lit_tables *t, struct error *err)
+static bool make_room(struct lit_tables *t, const struct lit_plan *p,
+                      struct error *err)
 {
-    const uint64_t far = t->far_cells, near = t->cells;
+    const uint64_t far = p->far_cells, near = p->cells;
     const uint64_t values = 3 * far > near ? 3 * far : near;
-    return grow(t, CELLS, near * NEAR_BYTES + far * FAR_BYTES + 16, err) &&
+    return grow(t, CELLS,
+                near * LIT_PLAN_NEAR_BYTES + far * LIT_PLAN_FAR_BYTES + 16,
+                err) &&
            grow(t, VALUES, values * VALUE_BYTES + 16, err) &&
-           grow(t, WANTED, (uint64_t)t->columns * LIGHTS * 4 + 16, err) &&
+           grow(t, WANTED, (uint64_t)p->columns * LIGHTS * 4 + 16, err) &&
            grow(t, MARKS, (near > ORDER_BINS ? near : ORDER_BINS) * 4, err);
 }
 
@@ -236,36 +147,35 @@ bool lit_tables_lights(struct lit_tables *t, const float *lambda, int count,
     if (t->planned && t->lights == count &&
         memcmp(t->lambda, lambda, size) == 0)
         return true;
-    struct block b;
-    memset(&b, 0, sizeof b);
+    struct lit_plan plan;
+    const struct lit_block *const b = &plan.block;
     if (t->lights != count || memcmp(t->lambda, lambda, size) != 0)
         t->near_stale = t->far_stale = true;
     t->lights = count;
     memcpy(t->lambda, lambda, size);
-    plan_near(t, &b);
-    plan_far(t, &b);
-    if (!make_room(t, err))
+    lit_plan_make(&plan, &t->fibre, lambda, count);
+    if (!make_room(t, &plan, err))
         return false;
     if (!t->uniform) {
         gl.CreateBuffers(1, &t->uniform);
-        gl.NamedBufferStorage(t->uniform, sizeof b, NULL,
+        gl.NamedBufferStorage(t->uniform, sizeof *b, NULL,
                               GL_DYNAMIC_STORAGE_BIT);
         gl.ObjectLabel(GL_BUFFER, t->uniform, -1, "lit block");
     }
-    if (memcmp(&b.light, &t->block.light, sizeof b.light) != 0) {
+    if (memcmp(b->light, t->plan.block.light, sizeof b->light) != 0) {
         t->marked = false;
         t->wanted = NOTHING;
     }
-    if (memcmp(&b, &t->block, sizeof b) != 0)
-        gl.NamedBufferSubData(t->uniform, 0, sizeof b, &b);
-    t->block = b;
+    if (memcmp(b, &t->plan.block, sizeof *b) != 0)
+        gl.NamedBufferSubData(t->uniform, 0, sizeof *b, b);
+    t->plan = plan;
     t->planned = true;
     return true;
 }
 
 bool lit_tables_rest(const struct lit_tables *t)
 {
-    return t->block.from[1] > 0;
+    return t->plan.block.from[1] > 0;
 }
 
 uint32_t lit_tables_kept(const struct lit_tables *t)
@@ -307,7 +217,8 @@ static unsigned program_of(struct lit_tables *t, int i, struct error *err)
 
 static void dispatch_columns(const struct lit_tables *t)
 {
-    gl.DispatchCompute((t->columns + GROUP - 1) / GROUP, (GLuint)t->lights, 1);
+    gl.DispatchCompute((t->plan.columns + GROUP - 1) / GROUP, (GLuint)t->lights,
+                       1);
     gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT |
                      GL_SHADER_STORAGE_BARRIER_BIT);
 }
@@ -408,7 +319,7 @@ static bool make_near(struct lit_tables *t, struct error *err)
 
 static bool make_far(struct lit_tables *t, struct error *err)
 {
-    const uint64_t columns = t->far_cells / LIT_TABLES_FAR_P;
+    const uint64_t columns = t->plan.far_cells / LIT_PLAN_FAR_P;
     gl.BindTextureUnit(VALUES_UNIT, t->texture[VALUES]);
     bind_output(t, VALUES_BINDING, VALUES);
     bind_output(t, CELLS_BINDING, CELLS);
@@ -432,11 +343,11 @@ bool lit_tables_make(struct lit_tables *t, bool all, struct error *err)
     // all that there are will do, if they are still of this fibre
     const bool there =
         t->wanted == wanted || (t->wanted == ALL && !t->near_stale);
-    if (t->columns > 0 && !there && !choose(t, wanted, err))
+    if (t->plan.columns > 0 && !there && !choose(t, wanted, err))
         return false;
-    if (t->columns > 0 && t->near_stale && !make_near(t, err))
+    if (t->plan.columns > 0 && t->near_stale && !make_near(t, err))
         return false;
-    if (t->far_cells > 0 && t->far_stale && !make_far(t, err))
+    if (t->plan.far_cells > 0 && t->far_stale && !make_far(t, err))
         return false;
     gl.BindTextureUnit(LIT_TABLES_UNIT, t->texture[CELLS]);
     return true;

@@ -18,15 +18,11 @@
 #include <stdint.h>
 
 #include "protocol/error.h"
-#include "renderer/dual_azimuth.h"
+#include "renderer/lit_plan.h"
 
 enum {
-    LIT_TABLES_UNIT = 21,   // as shaders/lit.glsl declares them
-    LIT_TABLES_BINDING = 9, // uniform block
-    LIT_TABLES_LIGHTS = 200,
-    LIT_TABLES_D = 26, // shape: shaders/lit_size.glsl has it too
-    LIT_TABLES_FAR_D = 12,
-    LIT_TABLES_FAR_P = 8
+    LIT_TABLES_UNIT = 21,  // as shaders/lit.glsl declares them
+    LIT_TABLES_BINDING = 9 // uniform block
 };
 
 // The largest error that was measured of a place against direct evaluation: of
@@ -39,11 +35,6 @@ struct lit_tables;
 // Thread: any, one at a time; no GL is called.
 struct lit_tables *lit_tables_create(void);
 
-struct lit_fibre {
-    struct dual_fibre fibre;
-    bool opaque;   // TT and TRT are left out
-    bool multiple; // with light that several fibres scatter
-};
 // From now on the tables are of this fibre.
 void lit_tables_fibre(struct lit_tables *t, const struct lit_fibre *f);
 

@@ -1,4 +1,4 @@
-// lit_size.glsl - shape of the tables of lights: renderer/lit_tables.h has it too.
+// lit_size.glsl - shape of the tables of lights: renderer/lit_plan.h has it too.
 const float LIT_D = 26.0;          // cells over theta_o, finer along the fibre
 const float LIT_LEAST = 5e-4;      // T~ below which direct light is left out
 const float LIT_FAR_D = 12.0;      // as LIT_D, of the far table
