@@ -9,13 +9,16 @@
 #   make test-long    the sweeps, soaks and long fuzzing as well
 #   make floors       reject an #include that points up a floor
 #   make format       clang-format in place;  make check-format  only looks
-#   SAN=address,undefined   build and test under sanitizers, in build/san
-#   CC=clang          another compiler;  V=1 shows the commands
+#   make test-san     all tests under sanitizers, in build/san (SAN=... for others)
+#   make test-clang   all tests as another compiler builds them, in build/clang
+#   SAN=address,undefined, CC=clang, V=1 (show commands) go with every target
 CC ?= cc
 OPT ?= -O2
 ARGS ?=
 SAN ?=
-B := build$(if $(SAN),/san)
+COMMA := ,
+PLAIN := build$(if $(findstring clang,$(CC)),/clang)
+B := $(PLAIN)$(if $(SAN),/san)
 
 OPENEXR_CFLAGS := $(shell pkg-config --cflags OpenEXR 2>/dev/null || \
 	echo -I/usr/include/OpenEXR -I/usr/include/Imath)
@@ -124,17 +127,23 @@ run: all
 	$(B)/glintd serve --hair builtin:animation --env builtin:studio $(ARGS)
 
 TEST_ENV = GLINTD=$(CURDIR)/$(B)/glintd GLINT=$(CURDIR)/$(B)/glint \
-	GLINT_SAN=$(SAN) GLINT_PLAIN=$(CURDIR)/build \
+	GLINT_SAN=$(SAN) GLINT_PLAIN=$(CURDIR)/$(PLAIN) \
 	ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 \
 	LSAN_OPTIONS=suppressions=$(CURDIR)/tests/lsan.supp:print_suppressions=0 \
 	UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
 test: deps-test
 	+@$(MAKE) --no-print-directory -j2 tests-built
-	$(if $(SAN),+@$(MAKE) --no-print-directory -j2 SAN= build/glintd build/glint)
+	$(if $(SAN),+@$(MAKE) --no-print-directory -j2 SAN= \
+	    $(PLAIN)/glintd $(PLAIN)/glint)
 	@$(TEST_ENV) python3 tests/run.py $(CTEST_BINS) $(PYTESTS)
 test-long: export GLINT_LONG = 1
 test-long: test
-.PHONY: tests-built
+# As others see it: sanitizers take half an hour, another compiler as long as ours.
+test-san:
+	+@$(MAKE) --no-print-directory SAN=$(or $(SAN),address$(COMMA)undefined) test
+test-clang:
+	+@$(MAKE) --no-print-directory CC=clang test
+.PHONY: tests-built test-san test-clang
 tests-built: floors $(B)/glintd $(B)/glint $(CTEST_BINS)
 
 # Timings; not part of the tests.  make bench-stages ARGS="animation straight"
@@ -145,7 +154,6 @@ BENCHES := $(patsubst tests/bench/%.c,$(B)/tests/bench/%,\
 # were made before are found again).  ARGS=--quick: two minutes, into build/.
 GLINT_DATA ?= ../shared/data
 BENCH_TO := $(if $(findstring --quick,$(ARGS)),$(B),docs)
-COMMA := ,
 BENCH_DAWN := $(GLINT_DATA)/hair/straight.hair@$(GLINT_DATA)/env/pmndrs_dawn.exr
 BENCH_VENICE := $(GLINT_DATA)/hair/amd_ruby_long.hair@$(GLINT_DATA)/env/venice_sunset_1k.hdr
 BENCH_SCENES := ponytail,animation,bob,dark,straight,natural$(if \
