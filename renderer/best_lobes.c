@@ -360,10 +360,7 @@ void best_lobes_panel(const struct best_lobes *t, int panel, double cos_d,
 
 static void create_objects(struct best_lobes *t)
 {
-    gl.CreateBuffers(1, &t->buffer);
-    gl.NamedBufferStorage(t->buffer, sizeof t->block, NULL,
-                          GL_DYNAMIC_STORAGE_BIT);
-    gl.ObjectLabel(GL_BUFFER, t->buffer, -1, "best lobes");
+    t->buffer = gl_buffer(sizeof t->block, NULL, "best lobes");
 }
 
 static void create_texture(struct best_lobes *t)

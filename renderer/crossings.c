@@ -43,10 +43,7 @@ static bool begin(struct crossings *c, const struct crossings *of,
     }
     if (!crossings_sweep_init(c, of, err))
         goto fail;
-    gl.CreateBuffers(1, &c->uniform);
-    gl.NamedBufferStorage(c->uniform, sizeof *c->block, NULL,
-                          GL_DYNAMIC_STORAGE_BIT);
-    gl.ObjectLabel(GL_BUFFER, c->uniform, -1, "crossings");
+    c->uniform = gl_buffer(sizeof *c->block, NULL, "crossings");
     gl.CreateQueries(GL_TIMESTAMP, 2, c->query);
     if (gl_check("making the crossings' buffers", err))
         return true;

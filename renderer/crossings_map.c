@@ -152,10 +152,7 @@ static bool make_texture(struct crossings *c, int side, int slices,
     struct crossings_map *m = &c->map;
     if (!m->block) {
         m->block = bytes_zalloc(1, sizeof *m->block);
-        gl.CreateBuffers(1, &m->uniform);
-        gl.NamedBufferStorage(m->uniform, sizeof *m->block, NULL,
-                              GL_DYNAMIC_STORAGE_BIT);
-        gl.ObjectLabel(GL_BUFFER, m->uniform, -1, "depth maps");
+        m->uniform = gl_buffer(sizeof *m->block, NULL, "depth maps");
     }
     if (m->texture && m->side == side && m->slices == slices)
         return true;
@@ -182,9 +179,7 @@ static void grow_cells(struct crossings *c, uint64_t wanted)
     if (m->cells_size >= wanted)
         return;
     gl.DeleteBuffers(1, &m->cells);
-    gl.CreateBuffers(1, &m->cells);
-    gl.NamedBufferStorage(m->cells, (GLsizeiptr)wanted, NULL, 0);
-    gl.ObjectLabel(GL_BUFFER, m->cells, -1, "depth maps' cells");
+    m->cells = gl_buffer(wanted, NULL, "depth maps' cells");
     m->cells_size = wanted;
     c->stats.scratch_bytes = wanted;
 }

@@ -49,11 +49,8 @@ bool crossings_sweep_init(struct crossings *c, const struct crossings *of,
     } else if (!programs(c, err)) {
         return false;
     }
-    gl.CreateBuffers(1, &c->ways);
-    gl.NamedBufferStorage(c->ways,
-                          CROSSINGS_WAYS_MAX * sizeof(struct way_std140), NULL,
-                          GL_DYNAMIC_STORAGE_BIT);
-    gl.ObjectLabel(GL_BUFFER, c->ways, -1, "crossings ways");
+    c->ways = gl_buffer(CROSSINGS_WAYS_MAX * sizeof(struct way_std140), NULL,
+                        "crossings ways");
     return true;
 }
 
@@ -91,10 +88,7 @@ static void grow(unsigned *buffer, uint64_t *size, uint64_t wanted,
     if (*size >= wanted)
         return;
     gl.DeleteBuffers(1, buffer);
-    gl.CreateBuffers(1, buffer);
-    gl.NamedBufferStorage(*buffer, (GLsizeiptr)wanted, NULL,
-                          GL_DYNAMIC_STORAGE_BIT);
-    gl.ObjectLabel(GL_BUFFER, *buffer, -1, name);
+    *buffer = gl_buffer(wanted, NULL, name);
     *size = wanted;
 }
 

@@ -15,6 +15,8 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "renderer/quadrature.h"
+
 static const double pi = 3.14159265358979323846;
 
 enum {
@@ -28,20 +30,10 @@ enum {
 // Gauss-Legendre in gamma on [0, pi/2].
 static void make_rule(struct dual_azimuth *z)
 {
+    quadrature_legendre(GAMMAS, z->gamma, z->weight);
     for (int i = 0; i < GAMMAS; i++) {
-        double x = cos(pi * (i + 0.75) / (GAMMAS + 0.5)), slope = 1;
-        for (int turn = 0; turn < 4; turn++) { // Newton on P_n
-            double p0 = 1, p1 = x;
-            for (int k = 2; k <= GAMMAS; k++) {
-                double p2 = ((2 * k - 1) * x * p1 - (k - 1) * p0) / k;
-                p0 = p1;
-                p1 = p2;
-            }
-            slope = GAMMAS * (x * p1 - p0) / (x * x - 1);
-            x -= p1 / slope;
-        }
-        z->gamma[i] = pi / 4 * (1 + x);
-        z->weight[i] = pi / 4 * 2 / ((1 - x * x) * slope * slope);
+        z->gamma[i] = pi / 4 * (1 + z->gamma[i]);
+        z->weight[i] *= pi / 4;
         z->sine[i] = sin(z->gamma[i]);
         z->cosine[i] = cos(z->gamma[i]);
     }

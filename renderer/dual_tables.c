@@ -421,10 +421,7 @@ static void create_objects(struct dual_tables *t)
     gl.TextureParameteri(t->texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     gl.TextureParameteri(t->texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     gl.ObjectLabel(GL_TEXTURE, t->texture, -1, "dual tables");
-    gl.CreateBuffers(1, &t->buffer);
-    gl.NamedBufferStorage(t->buffer, sizeof t->block, NULL,
-                          GL_DYNAMIC_STORAGE_BIT);
-    gl.ObjectLabel(GL_BUFFER, t->buffer, -1, "dual series");
+    t->buffer = gl_buffer(sizeof t->block, NULL, "dual series");
 }
 
 void dual_tables_bind(struct dual_tables *t)

@@ -123,16 +123,6 @@ void fast_tables_forward(struct fast_tables *t, const struct dual_tables *dual)
 }
 
 // --- on the device ----------------------------------------------------------
-static unsigned make(size_t bytes, const void *data, const char *name)
-{
-    unsigned b = 0;
-    gl.CreateBuffers(1, &b);
-    gl.NamedBufferStorage(b, (GLsizeiptr)bytes, data,
-                          data ? 0 : GL_DYNAMIC_STORAGE_BIT);
-    gl.ObjectLabel(GL_BUFFER, b, -1, name);
-    return b;
-}
-
 // What lights make of the coefficients; after a slice's the number of those
 // that count for something.
 static unsigned make_factors(void)
@@ -153,7 +143,7 @@ static unsigned make_factors(void)
     factor[L][0] = 1;
     for (int n = 1; n < TERMS; n++)
         factor[L][n] = n % 2 ? (float)((n % 4 == 1 ? 2 : -2) / (pi * n)) : 0;
-    return make(sizeof factor, factor, "fast factors");
+    return gl_buffer(sizeof factor, factor, "fast factors");
 }
 
 static unsigned make_cosines(void)
@@ -162,7 +152,7 @@ static unsigned make_cosines(void)
     for (int n = 0; n < TERMS; n++)
         for (int p = 0; p < P; p++)
             cosine[n][p] = (float)cos(n * pi * (p + 0.5) / P);
-    return make(sizeof cosine, cosine, "fast cosines");
+    return gl_buffer(sizeof cosine, cosine, "fast cosines");
 }
 
 // What there is of them: half of it would be believed to be all.
@@ -185,13 +175,14 @@ static bool create_objects(struct fast_tables *t, struct error *err)
     if (!t->pack)
         return false;
     unsigned *b = t->buffer;
-    b[COEFFICIENTS] = make(sizeof t->coefficient, NULL, "fast coefficients");
+    b[COEFFICIENTS] =
+        gl_buffer(sizeof t->coefficient, NULL, "fast coefficients");
     b[FACTORS] = make_factors();
     b[COSINES] = make_cosines();
     b[VALUES] =
-        make((size_t)FAST_TABLES_CELLS * VALUE_BYTES, NULL, "fast values");
-    b[CELLS] = make((size_t)FAST_TABLES_CELLS * CELL_BYTES + sizeof t->way,
-                    NULL, "fast cells");
+        gl_buffer((size_t)FAST_TABLES_CELLS * VALUE_BYTES, NULL, "fast values");
+    b[CELLS] = gl_buffer((size_t)FAST_TABLES_CELLS * CELL_BYTES + sizeof t->way,
+                         NULL, "fast cells");
     gl.CreateTextures(GL_TEXTURE_BUFFER, BUFFERS, t->texture);
     for (int i = 0; i < BUFFERS; i++)
         gl.TextureBuffer(t->texture[i], format[i], b[i]);

@@ -50,6 +50,16 @@ bool gl_check(const char *doing, struct error *err)
     return error_set(err, "gpu", doing, "%s: %s (0x%04x)", doing, what, code);
 }
 
+unsigned gl_buffer(uint64_t bytes, const void *data, const char *name)
+{
+    GLuint b = 0;
+    gl.CreateBuffers(1, &b);
+    gl.NamedBufferStorage(b, (GLsizeiptr)bytes, data,
+                          data ? 0 : GL_DYNAMIC_STORAGE_BIT);
+    gl.ObjectLabel(GL_BUFFER, b, -1, name);
+    return b;
+}
+
 uint64_t gl_texture_buffer_size(uint64_t n)
 {
     if ((n >> 8 & 0xff) == 0)

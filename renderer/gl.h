@@ -119,6 +119,10 @@ bool gl_load(struct error *err);
 // The first pending GL error as an error that names `doing`; true when none.
 bool gl_check(const char *doing, struct error *err);
 
+// A new buffer of so many bytes, named for debuggers.  data: its bytes, which
+// then stay; NULL: glNamedBufferSubData may write it.
+unsigned gl_buffer(uint64_t bytes, const void *data, const char *name);
+
 // Runs the program in use for n invocations in groups of 64, in rows, for GL
 // promises no more than 65535 groups along an axis.  A shader's number is
 // gl_GlobalInvocationID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x * 64.

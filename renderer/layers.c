@@ -17,15 +17,6 @@ void layers_drop(struct layers *l)
     memset(l, 0, sizeof *l);
 }
 
-static unsigned buffer(uint64_t bytes, const char *name)
-{
-    unsigned b = 0;
-    gl.CreateBuffers(1, &b);
-    gl.NamedBufferStorage(b, (GLsizeiptr)bytes, NULL, 0);
-    gl.ObjectLabel(GL_BUFFER, b, -1, name);
-    return b;
-}
-
 bool layers_fit(struct layers *l, int i, const struct picture *p,
                 struct error *err)
 {
@@ -42,8 +33,8 @@ bool layers_fit(struct layers *l, int i, const struct picture *p,
     if (l->radiance[i] || !l->add)
         return l->add != 0;
     const uint64_t pixels = (uint64_t)p->width * (uint64_t)p->height;
-    l->radiance[i] = buffer(16 * (uint64_t)p->slots, "layer radiance");
-    l->sum[i] = buffer(16 * pixels, "layer sum");
+    l->radiance[i] = gl_buffer(16 * (uint64_t)p->slots, NULL, "layer radiance");
+    l->sum[i] = gl_buffer(16 * pixels, NULL, "layer sum");
     return gl_check("layers", err);
 }
 

@@ -17,10 +17,7 @@ struct block_std140 {
 void lights_init(struct lights *l)
 {
     memset(l, 0, sizeof *l);
-    gl.CreateBuffers(1, &l->block);
-    gl.NamedBufferStorage(l->block, sizeof(struct block_std140), NULL,
-                          GL_DYNAMIC_STORAGE_BIT);
-    gl.ObjectLabel(GL_BUFFER, l->block, -1, "lights");
+    l->block = gl_buffer(sizeof(struct block_std140), NULL, "lights");
 }
 
 void lights_finish(struct lights *l)

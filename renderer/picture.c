@@ -22,9 +22,7 @@ struct scene_std140 { // scene.glsl
 bool picture_init(struct picture *p, struct error *err)
 {
     memset(p, 0, sizeof *p);
-    gl.CreateBuffers(1, &p->scene);
-    gl.NamedBufferStorage(p->scene, sizeof(struct scene_std140), NULL,
-                          GL_DYNAMIC_STORAGE_BIT);
+    p->scene = gl_buffer(sizeof(struct scene_std140), NULL, "scene");
     return raster_init(&p->raster, err) &&
            (p->cells = program_compute("cells.comp", NULL, err)) &&
            (p->count = program_compute("count.comp", NULL, err)) &&
@@ -55,12 +53,8 @@ void picture_finish(struct picture *p)
 
 static unsigned buffer(size_t bytes, const char *name, uint64_t *total)
 {
-    unsigned b = 0;
-    gl.CreateBuffers(1, &b);
-    gl.NamedBufferStorage(b, (GLsizeiptr)bytes, NULL, GL_DYNAMIC_STORAGE_BIT);
-    gl.ObjectLabel(GL_BUFFER, b, -1, name);
     *total += bytes;
-    return b;
+    return gl_buffer(bytes, NULL, name);
 }
 
 static uint64_t power_of_two(uint64_t n)

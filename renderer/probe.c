@@ -36,15 +36,10 @@ struct probe *probe_create(const struct probe_setup *setup, struct error *err)
         p->lobes = best_lobes_create();
     else
         p->tables = xu_tables_create(setup->tables);
-    gl.CreateBuffers(1, &p->cases);
-    gl.CreateBuffers(1, &p->results);
-    gl.NamedBufferStorage(p->cases, PROBE_BATCH * PROBE_INPUTS * sizeof(float),
-                          NULL, GL_DYNAMIC_STORAGE_BIT);
-    gl.NamedBufferStorage(p->results,
-                          PROBE_BATCH * PROBE_OUTPUTS * sizeof(float), NULL,
-                          GL_DYNAMIC_STORAGE_BIT);
-    gl.ObjectLabel(GL_BUFFER, p->cases, -1, "probe cases");
-    gl.ObjectLabel(GL_BUFFER, p->results, -1, "probe results");
+    p->cases = gl_buffer(PROBE_BATCH * PROBE_INPUTS * sizeof(float), NULL,
+                         "probe cases");
+    p->results = gl_buffer(PROBE_BATCH * PROBE_OUTPUTS * sizeof(float), NULL,
+                           "probe results");
     if (gl_check("making the probe's buffers", err))
         return p;
     probe_destroy(p);
@@ -71,11 +66,8 @@ void probe_note_guards(struct probe *p, uint32_t *hits)
     p->note = hits;
     if (p->hits || !hits)
         return;
-    gl.CreateBuffers(1, &p->hits);
-    gl.NamedBufferStorage(p->hits,
-                          PROBE_BATCH * PROBE_GUARD_WORDS * sizeof *hits, NULL,
-                          GL_DYNAMIC_STORAGE_BIT);
-    gl.ObjectLabel(GL_BUFFER, p->hits, -1, "probe guards");
+    p->hits = gl_buffer(PROBE_BATCH * PROBE_GUARD_WORDS * sizeof *hits, NULL,
+                        "probe guards");
 }
 
 static bool make_program(struct probe *p, int kind, struct error *err)

@@ -38,15 +38,10 @@ struct probe_dual *probe_dual_create(const struct probe_setup *setup,
     p->scheme = scheme;
     p->xu = xu_tables_create(setup->tables);
     p->dual = dual_tables_create();
-    gl.CreateBuffers(1, &p->cases);
-    gl.CreateBuffers(1, &p->results);
-    gl.NamedBufferStorage(p->cases, BATCH * PROBE_DUAL_INPUTS * sizeof(float),
-                          NULL, GL_DYNAMIC_STORAGE_BIT);
-    gl.NamedBufferStorage(p->results,
-                          BATCH * PROBE_DUAL_OUTPUTS * sizeof(float), NULL,
-                          GL_DYNAMIC_STORAGE_BIT);
-    gl.ObjectLabel(GL_BUFFER, p->cases, -1, "probe cases");
-    gl.ObjectLabel(GL_BUFFER, p->results, -1, "probe results");
+    p->cases = gl_buffer(BATCH * PROBE_DUAL_INPUTS * sizeof(float), NULL,
+                         "probe cases");
+    p->results = gl_buffer(BATCH * PROBE_DUAL_OUTPUTS * sizeof(float), NULL,
+                           "probe results");
     if (gl_check("making the probe's buffers", err))
         return p;
     probe_dual_destroy(p);
@@ -68,6 +63,17 @@ void probe_dual_destroy(struct probe_dual *p)
     free(p);
 }
 
+struct dual_fibre probe_dual_grey(const struct exact_case *c)
+{
+    return (struct dual_fibre){.eta = c->eta,
+                               .sigma_a = {c->sigma_a, c->sigma_a, c->sigma_a},
+                               .a = c->a,
+                               .alpha = {c->alpha[0], c->alpha[1], c->alpha[2]},
+                               .beta = {c->beta[0], c->beta[1], c->beta[2]},
+                               .w_c = c->w_c,
+                               .delta_eta = c->delta_eta};
+}
+
 void probe_dual_fibre(struct probe_dual *p, const struct dual_fibre *f)
 {
     p->fibre = *f;
@@ -84,10 +90,8 @@ void probe_dual_note_guards(struct probe_dual *p, uint32_t *hits)
     p->note = hits;
     if (p->hits || !hits)
         return;
-    gl.CreateBuffers(1, &p->hits);
-    gl.NamedBufferStorage(p->hits, BATCH * PROBE_GUARD_WORDS * sizeof *hits,
-                          NULL, GL_DYNAMIC_STORAGE_BIT);
-    gl.ObjectLabel(GL_BUFFER, p->hits, -1, "probe guards");
+    p->hits = gl_buffer(BATCH * PROBE_GUARD_WORDS * sizeof *hits, NULL,
+                        "probe guards");
 }
 
 // Hits of a batch of n cases that has run.

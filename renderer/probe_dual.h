@@ -11,6 +11,7 @@
 
 #include "protocol/error.h"
 #include "renderer/dual_tables.h"
+#include "renderer/exact.h"
 #include "renderer/probe.h"
 
 enum {
@@ -31,6 +32,8 @@ struct probe_dual *probe_dual_create(const struct probe_setup *setup,
                                      struct error *err);
 void probe_dual_destroy(struct probe_dual *p); // NULL is allowed
 
+// The fibre of *c, grey.
+struct dual_fibre probe_dual_grey(const struct exact_case *c);
 // The fibre of all cases that follow.
 void probe_dual_fibre(struct probe_dual *p, const struct dual_fibre *f);
 const struct dual_tables *probe_dual_tables(const struct probe_dual *p);

@@ -16,23 +16,15 @@ struct probe_fast {
     unsigned program, cases, results; // buffers of a batch
 };
 
-static unsigned buffer(size_t floats, const char *name)
-{
-    unsigned b = 0;
-    gl.CreateBuffers(1, &b);
-    gl.NamedBufferStorage(b, (GLsizeiptr)(floats * sizeof(float)), NULL,
-                          GL_DYNAMIC_STORAGE_BIT);
-    gl.ObjectLabel(GL_BUFFER, b, -1, name);
-    return b;
-}
-
 struct probe_fast *probe_fast_create(struct error *err)
 {
     struct probe_fast *p = bytes_zalloc(1, sizeof *p);
     p->tables = fast_tables_create();
     p->program = program_compute("probe_fast.comp", "XU_M=4", err);
-    p->cases = buffer(BATCH * PROBE_FAST_INPUTS, "probe cases");
-    p->results = buffer(BATCH * PROBE_FAST_OUTPUTS, "probe results");
+    p->cases = gl_buffer(BATCH * PROBE_FAST_INPUTS * sizeof(float), NULL,
+                         "probe cases");
+    p->results = gl_buffer(BATCH * PROBE_FAST_OUTPUTS * sizeof(float), NULL,
+                           "probe results");
     if (p->program && gl_check("making the probe's buffers", err))
         return p;
     probe_fast_destroy(p);

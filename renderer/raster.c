@@ -79,12 +79,8 @@ void raster_finish(struct raster *r)
 
 static unsigned buffer(uint64_t bytes, const char *name, uint64_t *total)
 {
-    unsigned b = 0;
-    gl.CreateBuffers(1, &b);
-    gl.NamedBufferStorage(b, (GLsizeiptr)bytes, NULL, GL_DYNAMIC_STORAGE_BIT);
-    gl.ObjectLabel(GL_BUFFER, b, -1, name);
     *total += bytes;
-    return b;
+    return gl_buffer(bytes, NULL, name);
 }
 
 // A segment is listed as nearest once at most, and so is each of its windows.

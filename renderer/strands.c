@@ -23,9 +23,7 @@ static bool upload(unsigned *buffer, const void *data, size_t size,
                          "%s: %zu bytes are more than this device's limit of "
                          "%lld bytes a buffer",
                          name, size, (long long)limit);
-    gl.CreateBuffers(1, buffer);
-    gl.NamedBufferStorage(*buffer, (GLsizeiptr)size, data, 0);
-    gl.ObjectLabel(GL_BUFFER, *buffer, -1, name);
+    *buffer = gl_buffer(size, data, name);
     return gl_check(name, err);
 }
 

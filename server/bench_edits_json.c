@@ -4,17 +4,8 @@
 #include <math.h>
 
 #include "protocol/json.h"
+#include "server/frame.h"
 #include "server/stats.h"
-
-static void put_stages(struct json *j, const struct bench_times *t)
-{
-    json_key(j, "stages");
-    json_open_object(j);
-    for (int i = 0; i < RENDERER_STAGES; i++)
-        if (t->stage[i] >= 0)
-            json_put_number(j, renderer_stage_names[i], t->stage[i]);
-    json_close_object(j);
-}
 
 static void put_error(struct json *j, const struct bench_edits_row *row)
 {
@@ -80,7 +71,8 @@ void bench_edits_json(const struct bench_edits_scene *s,
     json_put_number(&j, "ratio", row->forward / t->median.value);
     json_put_number(&j, "ratio_cpu", row->forward_cpu / t->processor);
     json_put_int(&j, "paper_forward_edits", row->forward_runs);
-    put_stages(&j, t);
+    json_key(&j, "stages");
+    frame_put_stages(&j, t->stage);
     stats_put_work(&j, &t->work);
     json_put_string(&j, "path", row->path);
     json_put_int(&j, "lights", row->lights);

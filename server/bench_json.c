@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "protocol/json.h"
+#include "server/frame.h"
 
 static void put_interval(struct json *j, const char *key,
                          const struct metric_value *v)
@@ -39,23 +40,14 @@ static void put_nested(struct json *j, const char *key,
     json_close_object(j);
 }
 
-static void put_stages(struct json *j, const struct bench_times *t)
-{
-    json_key(j, "stages");
-    json_open_object(j);
-    for (int i = 0; i < RENDERER_STAGES; i++)
-        if (t->stage[i] >= 0)
-            json_put_number(j, renderer_stage_names[i], t->stage[i]);
-    json_close_object(j);
-}
-
 static void put_times(struct json *j, const struct bench_times *t)
 {
     json_put_number(j, "median_ms", t->median.value);
     json_put_number(j, "p95_ms", t->p95);
     put_interval(j, "median_ms_ci95", &t->median);
     json_put_int(j, "runs", t->runs);
-    put_stages(j, t);
+    json_key(j, "stages");
+    frame_put_stages(j, t->stage);
 }
 
 static struct json begin(const struct bench_result *b, const char *kind,

@@ -152,17 +152,6 @@ static void run_exact(const struct batch *b)
 }
 
 // --- the renderer -----------------------------------------------------------
-static struct dual_fibre fibre_of(const struct exact_case *c)
-{
-    return (struct dual_fibre){.eta = c->eta,
-                               .sigma_a = {c->sigma_a, c->sigma_a, c->sigma_a},
-                               .a = c->a,
-                               .alpha = {c->alpha[0], c->alpha[1], c->alpha[2]},
-                               .beta = {c->beta[0], c->beta[1], c->beta[2]},
-                               .w_c = c->w_c,
-                               .delta_eta = c->delta_eta};
-}
-
 static bool run_single(struct batch *b, struct error *err)
 {
     static float cases[PROBE_BATCH * PROBE_INPUTS];
@@ -187,7 +176,7 @@ static bool run_fast_line(struct batch *b, size_t i, float out[3],
     const double *v = b->value[i];
     float in[PROBE_INPUTS], all[PROBE_FAST_OUTPUTS];
     struct exact_case c = case_of(b, i);
-    struct dual_fibre f = fibre_of(&c);
+    struct dual_fibre f = probe_dual_grey(&c);
     for (int k = 0; k < PROBE_INPUTS; k++)
         in[k] = (float)v[k];
     if (fast_tables_refuse(&f))
@@ -259,7 +248,7 @@ static bool run_dual(struct batch *b, struct dual_tables *means,
 {
     for (size_t i = 0, end; i < b->count; i = end) {
         struct exact_case c = case_of(b, i);
-        const struct dual_fibre f = fibre_of(&c);
+        const struct dual_fibre f = probe_dual_grey(&c);
         for (end = i + 1; end < b->count && same_fibre(b, i, end);)
             end++;
         if (means) {

@@ -2,13 +2,11 @@
 #include "tests/extremes/multiple.h"
 
 #include <math.h>
-#include <pthread.h>
-#include <stdatomic.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 #include "renderer/exact_dual.h"
 #include "renderer/probe_dual.h"
+#include "renderer/shoot_threads.h"
 #include "tests/check.h"
 
 #define PI 3.14159265358979323846
@@ -245,27 +243,19 @@ struct answer {
 struct crew {
     const struct job *job;
     struct answer *answer;
-    int count;
-    atomic_int next;
 };
 
-static void *work(void *arg)
+static void answer_one(void *crew, size_t i)
 {
-    struct crew *crew = arg;
-    for (;;) {
-        int i = atomic_fetch_add(&crew->next, 1);
-        if (i >= crew->count)
-            return NULL;
-        const struct job *j = &crew->job[i];
-        struct answer *a = &crew->answer[i];
-        struct exact_dual *e = exact_dual_create(&j->c[0]);
-        for (int k = 0; k < TRUTHS; k++) {
-            exact_dual_mean(e, j->c[k].theta_j, &a->mean[k]);
-            exact_dual_multiple(e, &j->c[k], j->sigma_f[k], false, a->want[k]);
-            exact_dual_multiple(e, &j->c[k], j->sigma_f[k], true, a->scale[k]);
-        }
-        exact_dual_destroy(e);
+    const struct job *j = &((struct crew *)crew)->job[i];
+    struct answer *a = &((struct crew *)crew)->answer[i];
+    struct exact_dual *e = exact_dual_create(&j->c[0]);
+    for (int k = 0; k < TRUTHS; k++) {
+        exact_dual_mean(e, j->c[k].theta_j, &a->mean[k]);
+        exact_dual_multiple(e, &j->c[k], j->sigma_f[k], false, a->want[k]);
+        exact_dual_multiple(e, &j->c[k], j->sigma_f[k], true, a->scale[k]);
     }
+    exact_dual_destroy(e);
 }
 
 static void compare_one(struct probe_dual *p, struct job *j,
@@ -298,20 +288,6 @@ static void compare_one(struct probe_dual *p, struct job *j,
     }
 }
 
-static void on_all(struct crew *crew)
-{
-    enum { THREADS_MAX = 64 };
-    pthread_t thread[THREADS_MAX];
-    long wanted = sysconf(_SC_NPROCESSORS_ONLN) - 1;
-    int made = 0;
-    while (made < wanted && made < THREADS_MAX &&
-           pthread_create(&thread[made], NULL, work, crew) == 0)
-        made++;
-    work(crew);
-    while (made > 0)
-        pthread_join(thread[--made], NULL);
-}
-
 void multiple_compare(enum vectors_region region, int fibres,
                       struct multiple_truth *out)
 {
@@ -323,8 +299,8 @@ void multiple_compare(enum vectors_region region, int fibres,
     uint64_t state = 700 + (uint64_t)region;
     for (int i = 0; i < fibres; i++)
         fill(&jobs[i], region, &state);
-    struct crew crew = {.job = jobs, .answer = answers, .count = fibres};
-    on_all(&crew);
+    struct crew crew = {.job = jobs, .answer = answers};
+    shoot_threads((size_t)fibres, answer_one, &crew);
     for (enum dual_scheme s = DUAL_SCHEME_BEST; s <= DUAL_SCHEME_PAPER; s++) {
         struct probe_dual *p = multiple_probe(s);
         for (int i = 0; p && i < fibres; i++)

@@ -1,11 +1,9 @@
 // single.c - see the header.
 #include "tests/extremes/single.h"
 
-#include <pthread.h>
-#include <stdatomic.h>
 #include <stdlib.h>
-#include <unistd.h>
 
+#include "renderer/shoot_threads.h"
 #include "tests/check.h"
 #include "tests/numeric/xu_double.h"
 
@@ -192,36 +190,16 @@ struct single_law single_sweep(const struct single_way *way,
 // --- brute force ------------------------------------------------------------
 struct crew {
     const struct set *set;
-    atomic_size_t next;
     double (*want)[EXACT_MODES], (*mean)[EXACT_MODES], (*copy)[EXACT_MODES];
 };
 
-static void *work(void *arg)
+static void answer_one(void *all, size_t i)
 {
-    struct crew *crew = arg;
-    for (;;) {
-        size_t i = atomic_fetch_add(&crew->next, 1);
-        if (i >= crew->set->count)
-            return NULL;
-        const struct exact_case *c = &crew->set->c[i];
-        exact_modes(c, crew->want[i]);
-        exact_means(c, crew->mean[i]);
-        xu_double_modes(c, copy_way.setup.m, false, crew->copy[i]);
-    }
-}
-
-static void on_all(struct crew *crew)
-{
-    enum { THREADS_MAX = 64 };
-    pthread_t thread[THREADS_MAX];
-    long wanted = sysconf(_SC_NPROCESSORS_ONLN) - 1;
-    int made = 0;
-    while (made < wanted && made < THREADS_MAX &&
-           pthread_create(&thread[made], NULL, work, crew) == 0)
-        made++;
-    work(crew);
-    while (made > 0)
-        pthread_join(thread[--made], NULL);
+    struct crew *crew = all;
+    const struct exact_case *c = &crew->set->c[i];
+    exact_modes(c, crew->want[i]);
+    exact_means(c, crew->mean[i]);
+    xu_double_modes(c, copy_way.setup.m, false, crew->copy[i]);
 }
 
 // Error of the sum of the modes whose cone the light meets (its amplitude more
@@ -273,7 +251,7 @@ void single_compare(enum vectors_region region, long count,
     crew.want = array(s.count, sizeof *crew.want);
     crew.mean = array(s.count, sizeof *crew.mean);
     crew.copy = array(s.count, sizeof *crew.copy);
-    on_all(&crew);
+    shoot_threads(s.count, answer_one, &crew);
     for (size_t i = 0; i < s.count; i++) {
         double bound[EXACT_MODES];
         single_bound(&s.c[i], bound);

@@ -59,7 +59,7 @@ static inline struct probe_dual *dual_bench_of(const struct dual_bench *b,
 static inline void dual_bench_fibre(struct probe_dual *p,
                                     const struct exact_case *c)
 {
-    struct dual_fibre f = dual_double_fibre(c);
+    struct dual_fibre f = probe_dual_grey(c);
     probe_dual_fibre(p, &f);
 }
 

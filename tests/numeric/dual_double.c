@@ -7,17 +7,6 @@
 
 static const double pi = 3.14159265358979323846;
 
-struct dual_fibre dual_double_fibre(const struct exact_case *c)
-{
-    return (struct dual_fibre){.eta = c->eta,
-                               .sigma_a = {c->sigma_a, c->sigma_a, c->sigma_a},
-                               .a = c->a,
-                               .alpha = {c->alpha[0], c->alpha[1], c->alpha[2]},
-                               .beta = {c->beta[0], c->beta[1], c->beta[2]},
-                               .w_c = c->w_c,
-                               .delta_eta = c->delta_eta};
-}
-
 static double gauss(double x, double width)
 {
     return exp(-x * x / (width * width)) / (sqrt(pi) * width);

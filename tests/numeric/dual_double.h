@@ -7,9 +7,6 @@
 #include "renderer/dual_tables.h"
 #include "renderer/exact_dual.h"
 
-// The fibre of *c, grey.
-struct dual_fibre dual_double_fibre(const struct exact_case *c);
-
 // Scheme `best` of one channel: the same series (from t) and nodes, the plain
 // sum instead of Hermite's for M^L.  out: M^G_R M^G_TT M^G_TRT M^L.
 // sigma_f[3]: the nodes belong to the mean of all three.

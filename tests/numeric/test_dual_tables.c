@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "renderer/dual_tables.h"
+#include "renderer/probe_dual.h"
 #include "tests/check.h"
 #include "tests/numeric/cases.h"
 #include "tests/numeric/checks_dual.h"
@@ -118,7 +119,7 @@ static void test_check_values(struct dual_tables *t)
     for (int i = 0; i < DUAL_MEANS; i++) {
         const double *v = dual_means[i];
         struct exact_case c = fibre_of_row(v);
-        struct dual_fibre f = dual_double_fibre(&c);
+        struct dual_fibre f = probe_dual_grey(&c);
         struct dual_mean m;
         double got[VALUES];
         dual_tables_update(t, &f, DUAL_SCHEME_BEST);
@@ -146,7 +147,7 @@ static void compare(struct dual_tables *t, enum dual_scheme scheme,
         struct exact_case c =
             cases_random(&state, i % 2 ? CASES_BROAD : CASES_TYPICAL, 1);
         struct exact_dual *exact = exact_dual_create(&c);
-        struct dual_fibre f = dual_double_fibre(&c);
+        struct dual_fibre f = probe_dual_grey(&c);
         dual_tables_update(t, &f, scheme);
         for (int k = 0; k < 8; k++) {
             double theta = cases_uniform(&state, -1.48, 1.48);
@@ -200,7 +201,7 @@ static void test_paper(struct dual_tables *t)
     for (int i = 0; i < 40; i++) {
         struct exact_case c =
             cases_random(&state, i % 2 ? CASES_BROAD : CASES_TYPICAL, 1);
-        struct dual_fibre f = dual_double_fibre(&c);
+        struct dual_fibre f = probe_dual_grey(&c);
         dual_tables_update(t, &f, DUAL_SCHEME_PAPER);
         for (int k = 0; k < 5; k++) {
             // An entry, so that nothing is interpolated.
@@ -263,7 +264,7 @@ static void test_separation(void)
         for (int i = 0; i < 40; i++) {
             struct exact_case c = cases_random(&state, kind, 0);
             struct exact_dual *exact = exact_dual_create(&c);
-            struct dual_fibre fibre = dual_double_fibre(&c);
+            struct dual_fibre fibre = probe_dual_grey(&c);
             struct dual_azimuth z;
             dual_azimuth_init(&z, &fibre);
             for (int k = 0; k < 5; k++) {
@@ -357,7 +358,7 @@ static void test_invariants(struct dual_tables *t)
                                          : "dual_paper_random_fibres");
         for (int i = 0; i < 200; i++) {
             struct exact_case c = cases_random(&state, CASES_BROAD, 1);
-            struct dual_fibre f = dual_double_fibre(&c);
+            struct dual_fibre f = probe_dual_grey(&c);
             f.sigma_a[0] = i % 2 ? 0 : f.sigma_a[0];
             dual_tables_update(t, &f, s);
             CHECK(sane(t, s));
@@ -374,7 +375,7 @@ static void test_furnace(struct dual_tables *t)
                            .w_c = 0.2,
                            .a = 1,
                            .delta_eta = 0.3};
-    struct dual_fibre f = dual_double_fibre(&c);
+    struct dual_fibre f = probe_dual_grey(&c);
     struct dual_mean m;
     check_case("dual_white_furnace");
     dual_tables_update(t, &f, DUAL_SCHEME_BEST);

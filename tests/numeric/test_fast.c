@@ -4,6 +4,7 @@
 
 #include "renderer/egl.h"
 #include "renderer/exact_dual.h"
+#include "renderer/probe_dual.h"
 #include "renderer/probe_fast.h"
 #include "tests/check.h"
 #include "tests/numeric/cases.h"
@@ -13,23 +14,12 @@ enum { TERMS = FAST_TABLES_TERMS };
 
 static const double pi = 3.14159265358979323846;
 
-static struct dual_fibre fibre_of(const struct exact_case *c)
-{
-    return (struct dual_fibre){.eta = c->eta,
-                               .sigma_a = {c->sigma_a, c->sigma_a, c->sigma_a},
-                               .a = c->a,
-                               .alpha = {c->alpha[0], c->alpha[1], c->alpha[2]},
-                               .beta = {c->beta[0], c->beta[1], c->beta[2]},
-                               .w_c = c->w_c,
-                               .delta_eta = 0.3};
-}
-
 // A fibre that tables hold for.
 static struct exact_case fibre(uint64_t *state, enum cases_kind kind)
 {
     for (;;) {
         struct exact_case c = cases_random(state, kind, 0);
-        struct dual_fibre f = fibre_of(&c);
+        struct dual_fibre f = probe_dual_grey(&c);
         if (!fast_tables_refuse(&f))
             return c;
     }
@@ -65,7 +55,7 @@ static void cosines(void)
     for (int i = 0; i < 6; i++) {
         struct exact_case e =
             fibre(&state, i % 2 ? CASES_BROAD : CASES_TYPICAL);
-        struct dual_fibre f = fibre_of(&e);
+        struct dual_fibre f = probe_dual_grey(&e);
         struct dual_azimuth z;
         struct exact_dual *dual = exact_dual_create(&e);
         dual_azimuth_init(&z, &f);
@@ -160,7 +150,7 @@ static void run(const struct probes *p, enum cases_kind kind, struct errors *e)
     uint64_t state = 77;
     for (int i = 0; i < FIBRES; i++) {
         struct exact_case f = fibre(&state, kind);
-        struct dual_fibre d = fibre_of(&f);
+        struct dual_fibre d = probe_dual_grey(&f);
         struct exact_dual *dual = exact_dual_create(&f);
         probe_fast_fibre(p->fine, &d);
         probe_fast_fibre(p->coarse, &d);
