@@ -12,7 +12,7 @@
 #include "renderer/dual_azimuth.h"
 
 #include <math.h>
-#include <stdbool.h>
+#include <pthread.h>
 #include <string.h>
 
 #include "renderer/quadrature.h"
@@ -20,35 +20,57 @@
 static const double pi = 3.14159265358979323846;
 
 enum {
-    GAMMAS = DUAL_GAMMAS,
+    GAMMAS = 64, // nodes of a sum over h
+    LANES = 8,   // DUAL_CHANNELS, and one that holds nothing
+    MOST_TERMS = 64,
     ODD = 16,
-    SAMPLES = 24,
+    SAMPLES = DUAL_SAMPLES,
     MOST_POWERS = 9,
     MOST = DUAL_HARMONICS_TRT
 };
 
-// Gauss-Legendre in gamma on [0, pi/2].
-static void make_rule(struct dual_azimuth *z)
+// Gauss-Legendre in gamma on [0, pi/2]: of no fibre, made once.
+static struct {
+    double gamma[GAMMAS], weight[GAMMAS], sine[GAMMAS], cosine[GAMMAS];
+} rule;
+static pthread_once_t rule_once = PTHREAD_ONCE_INIT;
+
+static void make_rule(void)
 {
-    quadrature_legendre(GAMMAS, z->gamma, z->weight);
+    quadrature_legendre(GAMMAS, rule.gamma, rule.weight);
     for (int i = 0; i < GAMMAS; i++) {
-        z->gamma[i] = pi / 4 * (1 + z->gamma[i]);
-        z->weight[i] *= pi / 4;
-        z->sine[i] = sin(z->gamma[i]);
-        z->cosine[i] = cos(z->gamma[i]);
+        rule.gamma[i] = pi / 4 * (1 + rule.gamma[i]);
+        rule.weight[i] *= pi / 4;
+        rule.sine[i] = sin(rule.gamma[i]);
+        rule.cosine[i] = cos(rule.gamma[i]);
     }
 }
 
-void dual_azimuth_init(struct dual_azimuth *z, const struct dual_fibre *f)
+struct dual_section dual_azimuth_section(const struct dual_fibre *f)
+{
+    struct dual_section s = {.eta = f->eta, .a = f->a, .w_c = f->w_c};
+    memcpy(s.sigma_a, f->sigma_a, sizeof s.sigma_a);
+    return s;
+}
+
+bool dual_azimuth_same(const struct dual_section *a,
+                       const struct dual_section *b)
+{
+    return a->eta == b->eta && a->a == b->a && a->w_c == b->w_c &&
+           a->sigma_a[0] == b->sigma_a[0] && a->sigma_a[1] == b->sigma_a[1] &&
+           a->sigma_a[2] == b->sigma_a[2];
+}
+
+void dual_azimuth_init(struct dual_azimuth *z, const struct dual_section *s)
 {
     // Below 0.04 the smoothing changes nothing that the series resolves.
-    double w = fmax(f->w_c, 0.04), kappa = 2 / (w * w), whole = 0, aa = f->a;
+    double w = fmax(s->w_c, 0.04), kappa = 2 / (w * w), whole = 0, aa = s->a;
     int steps = (int)(10 * pi / w) + 8;
     aa *= aa;
     memset(z, 0, sizeof *z);
-    make_rule(z);
-    z->fibre = *f;
-    z->eta_path = 1 + (f->eta - 1) * (aa + 1 / aa - 1); // mean of eq 24
+    pthread_once(&rule_once, make_rule);
+    z->section = *s;
+    z->eta_path = 1 + (s->eta - 1) * (aa + 1 / aa - 1); // mean of eq 24
     for (int i = 0; i < steps; i++) { // equal steps round a circle
         double x = pi * (i + 0.5) / steps, g = exp(kappa * (cos(x) - 1));
         double now = cos(x), before = now, twice = 2 * cos(2 * x);
@@ -78,22 +100,22 @@ struct ray {
 
 static struct ray trace(const struct dual_azimuth *z, double c, int i)
 {
-    const struct dual_fibre *f = &z->fibre;
+    const struct dual_section *f = &z->section;
     double eta2 = f->eta * f->eta, root = sqrt(eta2 - 1 + c * c);
-    double h = z->sine[i], x = c * z->cosine[i];
+    double h = rule.sine[i], x = c * rule.cosine[i];
     double q = sqrt(eta2 - 1 + x * x), s = 1 / (x + q), p = 1 / (eta2 * x + q);
     double fs = (x - q) * s, fp = (eta2 * x - q) * p;
     double fresnel = (fs * fs + fp * fp) / 2;
     // (1 - F) / c without the difference, which grazing light leaves nothing of
-    double enter = 2 * z->cosine[i] * q * (s * s + eta2 * p * p);
+    double enter = 2 * rule.cosine[i] * q * (s * s + eta2 * p * p);
     double inside = c * h / root, path = z->eta_path;
     double bend = c * h / sqrt(path * path - 1 + c * c);
     double length = 2 * f->eta / root * sqrt(1 - inside * inside);
-    double w = z->weight[i] * z->cosine[i];
+    double w = rule.weight[i] * rule.cosine[i];
     struct ray r;
-    r.phi[0] = 2 * z->gamma[i];
-    r.phi[1] = pi - 2 * z->gamma[i] + 2 * asin(inside);
-    r.phi[2] = 2 * z->gamma[i] - 4 * asin(bend);
+    r.phi[0] = 2 * rule.gamma[i];
+    r.phi[1] = pi - 2 * rule.gamma[i] + 2 * asin(inside);
+    r.phi[2] = 2 * rule.gamma[i] - 4 * asin(bend);
     r.part[DUAL_R] = w * fresnel;
     for (int k = 0; k < 3; k++) {
         double t = exp(-f->sigma_a[k] * length);
@@ -116,34 +138,46 @@ static double forward(const struct dual_azimuth *z, double phi)
     return fmin(fmax(0.5 - 4 / (pi * pi) * sum, 0), 1);
 }
 
+// A ray's channels side by side, cos(n phi) and its recurrence with each of
+// them: compilers make vectors of that.
+struct lanes {
+    double part[LANES], now[LANES], before[LANES], twice[LANES];
+};
+
+static void spread(const struct ray *r, struct lanes *v)
+{
+    double c[3];
+    for (int t = 0; t < 3; t++)
+        c[t] = cos(r->phi[t]);
+    for (int k = 0; k < LANES; k++) {
+        const int mode = k < DUAL_TT ? 0 : k < DUAL_TRT ? 1 : 2;
+        v->part[k] = k < DUAL_CHANNELS ? r->part[k] : 0;
+        v->now[k] = 1;
+        v->before[k] = c[mode];
+        v->twice[k] = 2 * c[mode];
+    }
+}
+
 void dual_azimuth_cosines(const struct dual_azimuth *z, double cos_d, int count,
                           double (*out)[DUAL_CHANNELS])
 {
-    memset(out, 0, (size_t)count * sizeof *out);
+    double sum[MOST_TERMS][LANES];
+    memset(sum, 0, (size_t)count * sizeof *sum);
     for (int i = 0; i < GAMMAS; i++) {
-        struct ray r = trace(z, cos_d, i);
-        double now[3], before[3], twice[3];
-        for (int t = 0; t < 3; t++) {
-            now[t] = 1;
-            before[t] = cos(r.phi[t]);
-            twice[t] = 2 * before[t];
-        }
-        for (int n = 0; n < count; n++) {
-            out[n][DUAL_R] += r.part[DUAL_R] * now[0];
-            for (int k = DUAL_TT; k < DUAL_TRT; k++)
-                out[n][k] += r.part[k] * now[1];
-            for (int k = DUAL_TRT; k < DUAL_CHANNELS; k++)
-                out[n][k] += r.part[k] * now[2];
-            for (int t = 0; t < 3; t++) {
-                double next = twice[t] * now[t] - before[t];
-                before[t] = now[t];
-                now[t] = next;
+        const struct ray r = trace(z, cos_d, i);
+        struct lanes v;
+        spread(&r, &v);
+        for (int n = 0; n < count; n++)
+            for (int k = 0; k < LANES; k++) {
+                double now = v.now[k], next = v.twice[k] * now - v.before[k];
+                sum[n][k] += v.part[k] * now;
+                v.before[k] = now;
+                v.now[k] = next;
             }
-        }
     }
     for (int n = 0; n < count; n++)
         for (int k = 0; k < DUAL_CHANNELS; k++)
-            out[n][k] *= (n ? 2 : 1) / (2 * pi);
+            out[n][k] = sum[n][k] * ((n ? 2 : 1) / (2 * pi));
 }
 
 void dual_azimuth_energy(const struct dual_azimuth *z, double cos_d,
@@ -163,18 +197,14 @@ void dual_azimuth_energy(const struct dual_azimuth *z, double cos_d,
 }
 
 // --- the fit ----------------------------------------------------------------
-struct sample { // one theta_d: coefficients of cos(n_k Phi)
-    double x;
-    double e[DUAL_CHANNELS][DUAL_HARMONICS_TRT];
-};
-
-static struct sample sample_at(const struct dual_azimuth *z, double x)
+static struct dual_sample sample_at(const struct dual_azimuth *z, double x)
 {
     // eta/eta' = (1 + x)/2
-    double v = (1 + x) / (2 * z->fibre.eta), eta2 = z->fibre.eta * z->fibre.eta;
+    double v = (1 + x) / (2 * z->section.eta),
+           eta2 = z->section.eta * z->section.eta;
     double c = v * sqrt((eta2 - 1) / (1 - v * v));
-    double trt = 1 / dual_azimuth_schlick(z->fibre.eta, c);
-    struct sample s = {.x = x};
+    double trt = 1 / dual_azimuth_schlick(z->section.eta, c);
+    struct dual_sample s = {.x = x};
     for (int i = 0; i < GAMMAS; i++) {
         struct ray r = trace(z, c, i);
         double now[3], before[3], twice[3];
@@ -231,7 +261,7 @@ struct part {
     double *wave, *row; // [waves][harmonics], [channels][waves][powers]
 };
 
-static bool dark(const struct sample *s, int channel)
+static bool dark(const struct dual_sample *s, int channel)
 {
     return s->e[channel][0] < 1e-100; // nothing comes through
 }
@@ -259,7 +289,7 @@ static void rotate(double a[MOST][MOST], double v[MOST][MOST], int n, int i,
     }
 }
 
-static void find_waves(const struct sample *s, const struct part *p)
+static void find_waves(const struct dual_sample *s, const struct part *p)
 {
     double a[MOST][MOST] = {{0}}, v[MOST][MOST] = {{0}};
     int n = p->harmonics;
@@ -289,7 +319,8 @@ static void find_waves(const struct sample *s, const struct part *p)
 
 // Least squares over x of what a channel has of each wave, weighted by its mean
 // over Phi.
-static void fit(const struct sample *s, const struct part *part, int channel)
+static void fit(const struct dual_sample *s, const struct part *part,
+                int channel)
 {
     double a[MOST_POWERS][MOST_POWERS] = {{0}};
     double b[MOST_POWERS][DUAL_WAVES_TRT] = {{0}};
@@ -333,9 +364,15 @@ static void fit(const struct sample *s, const struct part *part, int channel)
     }
 }
 
-void dual_azimuth_series(const struct dual_azimuth *z, struct dual_series *out)
+void dual_azimuth_sample(const struct dual_azimuth *z, int i,
+                         struct dual_sample *out)
 {
-    struct sample s[SAMPLES];
+    *out = sample_at(z, -cos(pi * (i + 0.5) / SAMPLES));
+}
+
+void dual_azimuth_fit(const struct dual_sample s[DUAL_SAMPLES], int mode,
+                      struct dual_series *out)
+{
     const struct part parts[3] = {{DUAL_R, 1, DUAL_HARMONICS, DUAL_WAVES_R,
                                    DUAL_POWERS, out->wave_r[0], out->r[0]},
                                   {DUAL_TT, 3, DUAL_HARMONICS, DUAL_WAVES_TT,
@@ -343,11 +380,8 @@ void dual_azimuth_series(const struct dual_azimuth *z, struct dual_series *out)
                                   {DUAL_TRT, 3, DUAL_HARMONICS_TRT,
                                    DUAL_WAVES_TRT, DUAL_POWERS_TRT,
                                    out->wave_trt[0], out->trt[0][0]}};
-    for (int i = 0; i < SAMPLES; i++)
-        s[i] = sample_at(z, -cos(pi * (i + 0.5) / SAMPLES));
-    for (int t = 0; t < 3; t++) {
-        find_waves(s, &parts[t]);
-        for (int c = 0; c < parts[t].channels; c++)
-            fit(s, &parts[t], parts[t].channel + c);
-    }
+    const struct part *p = &parts[mode];
+    find_waves(s, p);
+    for (int c = 0; c < p->channels; c++)
+        fit(s, p, p->channel + c);
 }

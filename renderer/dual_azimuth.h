@@ -8,6 +8,8 @@
 #ifndef RENDERER_DUAL_AZIMUTH_H
 #define RENDERER_DUAL_AZIMUTH_H
 
+#include <stdbool.h>
+
 enum { DUAL_R, DUAL_TT, DUAL_TRT = DUAL_TT + 3, DUAL_CHANNELS = DUAL_TRT + 3 };
 
 // Angles in radians, nothing left `auto`.
@@ -20,6 +22,15 @@ struct dual_fibre {
     double w_c;        // Xu width
     double delta_eta;
 };
+
+// What a cross section is made of: nothing here depends on anything else of a
+// fibre, so what was made of one holds while these are the same.
+struct dual_section {
+    double eta, sigma_a[3], a, w_c;
+};
+struct dual_section dual_azimuth_section(const struct dual_fibre *f);
+bool dual_azimuth_same(const struct dual_section *a,
+                       const struct dual_section *b);
 
 // Both divided by cos^2 theta_d, but R's: they go to zero with it.
 struct dual_energy {
@@ -50,16 +61,13 @@ struct dual_series {
     double trt[3][DUAL_WAVES_TRT][DUAL_POWERS_TRT];
 };
 
-enum { DUAL_GAMMAS = 64 };
-struct dual_azimuth { // private; some 3 KB
-    struct dual_fibre fibre;
-    double gamma[DUAL_GAMMAS], weight[DUAL_GAMMAS]; // Gauss-Legendre
-    double sine[DUAL_GAMMAS], cosine[DUAL_GAMMAS];
+struct dual_azimuth { // private
+    struct dual_section section;
     double eta_path;   // index in TRT's paths
     double smooth[16]; // I_n / I_0 of the smoothing Gaussian, n = 1, 3, 5, ...
 };
 
-void dual_azimuth_init(struct dual_azimuth *z, const struct dual_fibre *f);
+void dual_azimuth_init(struct dual_azimuth *z, const struct dual_section *s);
 void dual_azimuth_energy(const struct dual_azimuth *z, double cos_d,
                          struct dual_energy *out);
 // out[n][channel] of N_t(phi) = sum_n out cos(n phi), n < count <= 64, TRT's
@@ -68,7 +76,18 @@ void dual_azimuth_energy(const struct dual_azimuth *z, double cos_d,
 // most).
 void dual_azimuth_cosines(const struct dual_azimuth *z, double cos_d, int count,
                           double (*out)[DUAL_CHANNELS]);
-void dual_azimuth_series(const struct dual_azimuth *z, struct dual_series *out);
+
+// The series in two steps whose pieces do not depend on each other: samples
+// over x, then the waves and rows of R (0), TT (1), TRT (2).
+enum { DUAL_SAMPLES = 24 };
+struct dual_sample { // one theta_d: coefficients of cos(n_k Phi)
+    double x;
+    double e[DUAL_CHANNELS][DUAL_HARMONICS_TRT];
+};
+void dual_azimuth_sample(const struct dual_azimuth *z, int i,
+                         struct dual_sample *out);
+void dual_azimuth_fit(const struct dual_sample s[DUAL_SAMPLES], int mode,
+                      struct dual_series *out);
 
 // The factor by which TRT's series is smooth: Fresnel's F, about.
 double dual_azimuth_schlick(double eta, double cos_d);

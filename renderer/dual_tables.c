@@ -1,6 +1,7 @@
-// dual_tables.c - integrals over the inclination, sums over paths, upload. What
-// happens in a cross section is dual_azimuth.c's, or in the paper's way
-// dual_paper.c's.
+// dual_tables.c - which pieces an update makes, S_back as views see it, upload.
+// What happens in a cross section is dual_azimuth.c's, or in the paper's way
+// dual_paper.c's; integrals over the inclination are dual_bounce.c's, sums over
+// paths dual_mean.c's.
 #include "renderer/dual_tables.h"
 
 #include <math.h>
@@ -10,6 +11,8 @@
 #include <time.h>
 
 #include "protocol/bytes.h"
+#include "renderer/crew.h"
+#include "renderer/dual_bounce.h"
 #include "renderer/dual_paper.h"
 #include "renderer/gl.h"
 #include "renderer/quadrature.h"
@@ -18,10 +21,14 @@ static const double pi = 3.14159265358979323846;
 
 enum {
     COLUMNS = DUAL_TABLES_COLUMNS,
-    ENERGIES = 96, // intervals of cos theta_d
-    NODES = 20,    // of an integral over an inclination
-    HEAD = 1,      // vec4 before the waves in the block
-    WAVES = 4,     // vec4 of a harmonic
+    ENERGIES = DUAL_BOUNCE_ENERGIES,
+    NODES = DUAL_BOUNCE_NODES, // of an integral over an inclination, here too
+    BLOCK_ENERGIES = 4,        // of an update's pieces
+    BLOCK_COLUMNS = 8,
+    COLUMN_BLOCKS = COLUMNS / BLOCK_COLUMNS,
+    ENERGY_BLOCKS = (ENERGIES + BLOCK_ENERGIES) / BLOCK_ENERGIES,
+    HEAD = 1,  // vec4 before the waves in the block
+    WAVES = 4, // vec4 of a harmonic
     BLOCK = HEAD + WAVES * DUAL_HARMONICS_TRT + DUAL_WAVES_TT * DUAL_POWERS +
             DUAL_WAVES_TRT * DUAL_POWERS_TRT
 };
@@ -46,10 +53,20 @@ enum {
 struct dual_tables {
     struct dual_fibre fibre;
     enum dual_scheme scheme;
-    double x[NODES], w[NODES];               // Gauss-Legendre on [0, 1]
+    struct dual_tables_work work;
+    struct dual_bounce_rule rule;
+    // Of a cross section, and what it was.
+    struct dual_section section;
+    struct dual_azimuth azimuth;
     struct dual_energy energy[ENERGIES + 1]; // of cos theta_d
-    struct dual_mean mean[COLUMNS][3];
+    struct dual_sample sample[DUAL_SAMPLES];
     struct dual_series series;
+    // Of a mode's shift and width, and what they were.
+    struct dual_bounce_lobe lobe[3];
+    struct dual_bounce bounce[3][COLUMNS];
+    bool section_stale, lobe_stale[3]; // for the update that runs
+    // Of all of these.
+    struct dual_mean mean[COLUMNS][3];
     float layer[DUAL_TABLES_LAYERS][COLUMNS][4];
     float block[BLOCK][4];
     double ms;
@@ -64,20 +81,31 @@ static double theta_at(int i)
     return fmin(fmax(t, -edge), edge);
 }
 
-static void make_rule(struct dual_tables *t)
+static void make_rule(struct dual_bounce_rule *r)
 {
-    quadrature_legendre(NODES, t->x, t->w);
+    quadrature_legendre(NODES, r->x, r->w);
     for (int i = 0; i < NODES; i++) {
-        t->x[i] = (1 + t->x[i]) / 2;
-        t->w[i] /= 2;
+        r->x[i] = (1 + r->x[i]) / 2;
+        r->w[i] /= 2;
     }
 }
 
 struct dual_tables *dual_tables_create(void)
 {
     struct dual_tables *t = bytes_zalloc(1, sizeof *t);
-    make_rule(t);
+    make_rule(&t->rule);
     return t;
+}
+
+struct dual_tables_work dual_tables_work(const struct dual_tables *t)
+{
+    return t->work;
+}
+
+void dual_tables_bytes(const struct dual_tables *t, struct buf *out)
+{
+    buf_append(out, t->layer, sizeof t->layer);
+    buf_append(out, t->block, sizeof t->block);
 }
 
 double dual_tables_ms(const struct dual_tables *t)
@@ -90,126 +118,37 @@ const struct dual_series *dual_tables_series(const struct dual_tables *t)
     return &t->series;
 }
 
-// --- means over half a space ------------------------------------------------
-struct sums { // of one theta: by mode, channels side by side
-    double ahead[DUAL_CHANNELS], all[DUAL_CHANNELS];
+// --- between entries ---------------------------------------------------------
+struct between { // two entries and their shares
+    const struct dual_mean *p, *q;
+    double a, b;
 };
 
-// Adds weight * energy(cos_d) of a mode's channels; parabolas through three.
-static void add_energy(const struct dual_tables *t, double cos_d, double weight,
-                       const int channels[2], struct sums *s)
+static struct between between(const struct dual_tables *t, double theta,
+                              int channel)
 {
-    double at = fmin(fmax(cos_d, 0), 1) * ENERGIES;
-    int i = (int)(at + 0.5);
-    i = i < 1 ? 1 : i > ENERGIES - 1 ? ENERGIES - 1 : i;
-    double x = at - i, a = weight * x * (x - 1) / 2, b = weight * (1 - x * x),
-           c = weight * x * (x + 1) / 2;
-    const struct dual_energy *e = t->energy + i;
-    for (int k = channels[0]; k < channels[1]; k++) {
-        s->ahead[k] +=
-            a * e[-1].ahead[k] + b * e[0].ahead[k] + c * e[1].ahead[k];
-        s->all[k] += a * e[-1].all[k] + b * e[0].all[k] + c * e[1].all[k];
-    }
+    double at = (theta / pi + 0.5) * (COLUMNS - 1);
+    at = fmin(fmax(at, 0), COLUMNS - 1);
+    int i = (int)fmin(at, COLUMNS - 2);
+    double b = at - i;
+    return (struct between){&t->mean[i][channel], &t->mean[i + 1][channel],
+                            1 - b, b};
 }
 
-static const int channels_of[3][2] = {
-    {DUAL_R, DUAL_TT}, {DUAL_TT, DUAL_TRT}, {DUAL_TRT, DUAL_CHANNELS}};
-
-// Eq 32, 33 unseparated: Int M_t(theta_o) cos cos / cos^2 theta_d E dtheta_o.
-// x is theta_o's distance from the end where the specular cone goes; at grazing
-// light the cosines make a peak as wide as the light's distance e from pi/2,
-// which x = e (exp(u) - 1) spreads out.
-static void bounce(const struct dual_tables *t, int mode, double theta,
-                   struct sums *s)
+void dual_tables_ahead(const struct dual_tables *t, double theta, int channel,
+                       double out[2])
 {
-    const struct dual_fibre *f = &t->fibre;
-    double side = theta < 0 ? -1 : 1, e = pi / 2 - fabs(theta);
-    double width = 2 * f->beta[mode], mu = e + 2 * side * f->alpha[mode];
-    double lo = fmax(mu - 4.7 * width, 0), hi = fmin(mu + 4.7 * width, pi);
-    if (lo >= hi)
-        return;
-    double u0 = log1p(lo / e), span = log1p(hi / e) - u0;
-    for (int i = 0; i < NODES; i++) {
-        double x = e * expm1(u0 + span * t->x[i]), z = (x - mu) / width;
-        double c = sin((x + e) / 2);
-        double weight = t->w[i] * span * (x + e) * exp(-z * z / 2) /
-                        (width * sqrt(2 * pi)) * sin(x) * sin(e);
-        // Channels but R's hold E / cos^2.
-        add_energy(t, c, mode == 0 ? weight / (c * c) : weight,
-                   channels_of[mode], s);
-    }
-}
-
-// Zinke 2008, section 3.2: paths that turn back an odd number of times.
-static void turn_back(struct dual_mean *m, enum dual_scheme scheme)
-{
-    double x = m->a_f * m->a_f, y = 1 - x, b2 = m->a_b * m->a_b;
-    double r = b2 / (y * y), q = 1 + b2 - x;
-    double pile = 2 * m->a_b / (q + sqrt(fmax(0, q * q - 4 * b2)));
-    double nb = (1 + 3 * r) / (1 + r);
-    double nf = 2 / y * (1 + r * (1 + 2 * x)) / (1 + r);
-    if (scheme == DUAL_SCHEME_BEST) {
-        // Layers without end: reflectance R = a_b + a_f^2 R / (1 - a_b R), of
-        // which the first bounce is single scattering's.
-        m->A_b = x * pile / (1 - m->a_b * pile);
-        m->delta_b = 2 * (nb * m->alpha_b + nf * m->alpha_f);
-        m->sigma_b = 2 * sqrt(nb * m->beta2_b + nf * m->beta2_f);
-        return;
-    }
-    m->A_b = m->a_b * x / y * (1 + b2 / (y * y)); // eq 11, 13
-    // Eq 16 with a plus; eq 17 without betas among the weights of its quotient.
-    m->delta_b = 2 * (m->alpha_b * (1 + 2 * r) +
-                      m->alpha_f * (2 * y * y + 4 * x * b2) / (y * y * y));
-    m->sigma_b = 2 * (1 + 0.7 * x) *
-                 (sqrt(2 * m->beta2_f + m->beta2_b) +
-                  b2 * sqrt(2 * m->beta2_f + 3 * m->beta2_b)) /
-                 (1 + b2);
-}
-
-static void take_means(struct dual_tables *t, const struct sums *s,
-                       struct dual_mean out[3])
-{
-    const double tiny = 1e-30; // of a mode that nothing comes through
-    for (int k = 0; k < 3; k++) {
-        struct dual_mean m = {0};
-        const int channel[3] = {DUAL_R, DUAL_TT + k, DUAL_TRT + k};
-        for (int mode = 0; mode < 3; mode++) {
-            double f = s->ahead[channel[mode]], alpha = t->fibre.alpha[mode];
-            double b = fmax(s->all[channel[mode]] - f, 0) + tiny;
-            double beta2 = t->fibre.beta[mode] * t->fibre.beta[mode];
-            f += tiny;
-            m.a_f += f;
-            m.a_b += b;
-            m.alpha_f += f * alpha;
-            m.alpha_b += b * alpha;
-            m.beta2_f += f * beta2;
-            m.beta2_b += b * beta2;
-        }
-        m.alpha_f /= m.a_f;
-        m.beta2_f /= m.a_f;
-        m.alpha_b /= m.a_b;
-        m.beta2_b /= m.a_b;
-        // Tilted modes may weigh inclinations differently, and the paper's
-        // lobes hold too much: never more light out than in.
-        double more = (m.a_f + m.a_b) / (1 - 1e-4);
-        if (more > 1) {
-            m.a_f /= more;
-            m.a_b /= more;
-        }
-        turn_back(&m, t->scheme);
-        out[k] = m;
-    }
+    const struct between n = between(t, theta, channel);
+    out[0] = n.a * n.p->a_f + n.b * n.q->a_f;
+    out[1] = n.a * n.p->beta2_f + n.b * n.q->beta2_f;
 }
 
 void dual_tables_mean(const struct dual_tables *t, double theta, int channel,
                       struct dual_mean *out)
 {
-    double at = (theta / pi + 0.5) * (COLUMNS - 1);
-    at = fmin(fmax(at, 0), COLUMNS - 1);
-    int i = (int)fmin(at, COLUMNS - 2);
-    double b = at - i, a = 1 - b;
-    const struct dual_mean *p = &t->mean[i][channel];
-    const struct dual_mean *q = &t->mean[i + 1][channel];
+    struct between n = between(t, theta, channel);
+    const struct dual_mean *p = n.p, *q = n.q;
+    double a = n.a, b = n.b;
     *out = (struct dual_mean){
         a * p->a_f + b * q->a_f,         a * p->a_b + b * q->a_b,
         a * p->alpha_f + b * q->alpha_f, a * p->alpha_b + b * q->alpha_b,
@@ -229,17 +168,29 @@ struct view {
     double theta[NODES], k[NODES]; // weights included
 };
 
+struct back {
+    double A_b, delta_b, sigma_b;
+};
+
+static struct back back_at(const struct dual_tables *t, double theta,
+                           int channel)
+{
+    const struct between n = between(t, theta, channel);
+    return (struct back){n.a * n.p->A_b + n.b * n.q->A_b,
+                         n.a * n.p->delta_b + n.b * n.q->delta_b,
+                         n.a * n.p->sigma_b + n.b * n.q->sigma_b};
+}
+
 static void look(const struct dual_tables *t, double theta_o, int channel,
                  struct view *v)
 {
-    struct dual_mean m, n;
-    dual_tables_mean(t, -theta_o, channel, &m);
+    struct back m = back_at(t, -theta_o, channel), n = m;
     double mu = m.delta_b - theta_o, at = mu;
     // The centre moves with the inclination that it makes: for lobes of less
     // than a degree by many widths.  Wider ones keep the first centre: the
     // fifth may hop between two where the light grazes.
     for (int i = 0; i < 4; i++) {
-        dual_tables_mean(t, (at - theta_o) / 2, channel, &n);
+        n = back_at(t, (at - theta_o) / 2, channel);
         at = n.delta_b - theta_o;
     }
     if (m.sigma_b < 0.1 && fabs(at - mu) > 3 * m.sigma_b) {
@@ -251,13 +202,14 @@ static void look(const struct dual_tables *t, double theta_o, int channel,
     if (lo > hi) // the cone points beyond the fibre's end: what is left of it
         lo = hi = mu > 0 ? pi / 2 - 1e-3 : 1e-3 - pi / 2;
     for (int i = 0; i < NODES; i++) {
-        double ti = lo + (hi - lo) * t->x[i], d = (ti - theta_o) / 2;
+        double ti = lo + (hi - lo) * t->rule.x[i], d = (ti - theta_o) / 2;
         double c = cos(d);
-        dual_tables_mean(t, d, channel, &m);
+        m = back_at(t, d, channel);
         double z = (ti + theta_o - m.delta_b) / m.sigma_b;
         v->theta[i] = ti;
-        v->k[i] = t->w[i] * (hi - lo) * m.A_b * cos(ti) / fmax(c * c, 1e-8) *
-                  exp(-z * z / 2) / (m.sigma_b * sqrt(2 * pi));
+        v->k[i] = t->rule.w[i] * (hi - lo) * m.A_b * cos(ti) /
+                  fmax(c * c, 1e-8) * exp(-z * z / 2) /
+                  (m.sigma_b * sqrt(2 * pi));
     }
 }
 
@@ -283,10 +235,12 @@ static void describe(const struct view *v, float *layer[5])
     *layer[4] = (float)peak;
 }
 
-static void fill_views(struct dual_tables *t)
+static void fill_views(void *context, size_t block)
 {
+    struct dual_tables *t = context;
     struct view v;
-    for (int i = 0; i < COLUMNS; i++)
+    const int from = BLOCK_COLUMNS * (int)block;
+    for (int i = from; i < from + BLOCK_COLUMNS; i++)
         for (int k = 0; k < 3; k++) {
             float *to[5];
             for (int n = 0; n < 5; n++)
@@ -350,39 +304,111 @@ static void fill_block(struct dual_tables *t)
                 row[0][c] = (float)s->trt[c][m][p];
 }
 
-static void fill_best(struct dual_tables *t)
+// First pieces: of the cross section, then of each lobe.
+static void prepare(void *context, size_t i)
 {
-    struct dual_azimuth z;
-    dual_azimuth_init(&z, &t->fibre);
-    for (int i = 0; i <= ENERGIES; i++)
-        dual_azimuth_energy(&z, fmax((double)i / ENERGIES, 1e-6),
-                            &t->energy[i]);
-    dual_azimuth_series(&z, &t->series);
-    fill_block(t);
-    for (int i = 0; i < COLUMNS; i++) {
-        struct sums s = {{0}, {0}};
-        for (int mode = 0; mode < 3; mode++)
-            bounce(t, mode, theta_at(i), &s);
-        take_means(t, &s, t->mean[i]);
+    struct dual_tables *t = context;
+    if (t->section_stale) {
+        if (i < DUAL_SAMPLES) {
+            dual_azimuth_sample(&t->azimuth, (int)i, &t->sample[i]);
+            return;
+        }
+        i -= DUAL_SAMPLES;
+        if (i < ENERGY_BLOCKS) {
+            const int from = BLOCK_ENERGIES * (int)i;
+            for (int k = from; k < from + BLOCK_ENERGIES && k <= ENERGIES; k++)
+                dual_bounce_energy(&t->azimuth, k, &t->energy[k]);
+            return;
+        }
+        i -= ENERGY_BLOCKS;
     }
-    fill_views(t);
+    int mode = 0;
+    for (; !t->lobe_stale[mode] || i >= COLUMN_BLOCKS; mode++)
+        i -= t->lobe_stale[mode] ? COLUMN_BLOCKS : 0;
+    const int from = BLOCK_COLUMNS * (int)i;
+    for (int k = from; k < from + BLOCK_COLUMNS; k++)
+        dual_bounce_weigh(&t->bounce[mode][k], &t->rule, theta_at(k),
+                          &t->lobe[mode]);
+}
+
+// Second: the series' modes, the longest first, where there are new samples of
+// it; then means.
+static void put_together(void *context, size_t i)
+{
+    struct dual_tables *t = context;
+    if (t->section_stale) {
+        if (i < 3) {
+            dual_azimuth_fit(t->sample, 2 - (int)i, &t->series);
+            return;
+        }
+        i -= 3;
+    }
+    const int from = BLOCK_COLUMNS * (int)i;
+    for (int k = from; k < from + BLOCK_COLUMNS; k++) {
+        struct dual_energy s;
+        for (int mode = 0; mode < 3; mode++)
+            dual_bounce_add(&t->bounce[mode][k], mode, t->energy, &s);
+        dual_mean_take(&t->fibre, t->scheme, &s, t->mean[k]);
+    }
+}
+
+// What of what is kept is of another fibre: the key of each piece is all that
+// it is made of.
+static void find_stale(struct dual_tables *t, const struct dual_fibre *f)
+{
+    const struct dual_section section = dual_azimuth_section(f);
+    t->section_stale =
+        t->work.sections == 0 || !dual_azimuth_same(&section, &t->section);
+    t->section = section;
+    for (int mode = 0; mode < 3; mode++) {
+        struct dual_bounce_lobe *l = &t->lobe[mode];
+        t->lobe_stale[mode] = t->work.lobes == 0 ||
+                              l->alpha != f->alpha[mode] ||
+                              l->beta != f->beta[mode];
+        *l = (struct dual_bounce_lobe){mode, f->alpha[mode], f->beta[mode]};
+    }
+}
+
+static bool fill_best(struct dual_tables *t, bool other)
+{
+    size_t first = 0, second = COLUMN_BLOCKS;
+    find_stale(t, &t->fibre);
+    if (t->section_stale) {
+        dual_azimuth_init(&t->azimuth, &t->section);
+        first += DUAL_SAMPLES + ENERGY_BLOCKS;
+        second += 3;
+        t->work.sections++;
+    }
+    for (int mode = 0; mode < 3; mode++)
+        if (t->lobe_stale[mode]) {
+            first += COLUMN_BLOCKS;
+            t->work.lobes++;
+        }
+    if (first == 0 && !other)
+        return false;
+    crew_run(first, prepare, t);
+    crew_run(second, put_together, t);
+    if (t->section_stale)
+        fill_block(t);
+    crew_run(COLUMN_BLOCKS, fill_views, t);
+    return true;
 }
 
 static void fill_paper(struct dual_tables *t)
 {
     for (int i = 0; i < COLUMNS; i++) {
-        struct dual_energy e;
-        struct sums s;
+        struct dual_energy e, s;
         double theta = theta_at(i);
         dual_paper_energy(&t->fibre, cos(theta), &e);
         for (int mode = 0; mode < 3; mode++) {
+            const int *channels = dual_bounce_channels[mode];
             double along = dual_paper_along(&t->fibre, mode, theta);
-            for (int k = channels_of[mode][0]; k < channels_of[mode][1]; k++) {
+            for (int k = channels[0]; k < channels[1]; k++) {
                 s.ahead[k] = along * e.ahead[k];
                 s.all[k] = along * e.all[k];
             }
         }
-        take_means(t, &s, t->mean[i]);
+        dual_mean_take(&t->fibre, t->scheme, &s, t->mean[i]);
     }
     fill_integrals(t);
 }
@@ -397,19 +423,22 @@ static double now_ms(void)
 void dual_tables_update(struct dual_tables *t, const struct dual_fibre *f,
                         enum dual_scheme scheme)
 {
-    double began = now_ms();
+    const double began = now_ms();
+    const bool other = t->work.means == 0 || t->scheme != scheme;
+    bool made = true;
     t->fibre = *f;
     t->scheme = scheme;
     if (scheme == DUAL_SCHEME_BEST)
-        fill_best(t);
+        made = fill_best(t, other);
     else
         fill_paper(t);
-    for (int i = 0; i < COLUMNS; i++)
+    for (int i = 0; made && i < COLUMNS; i++)
         for (int k = 0; k < 3; k++) {
             t->layer[LAYER_A][i][k] = (float)t->mean[i][k].a_f;
             t->layer[LAYER_BETA2][i][k] = (float)t->mean[i][k].beta2_f;
         }
-    t->stale = true;
+    t->work.means += made;
+    t->stale |= made;
     t->ms = now_ms() - began;
 }
 

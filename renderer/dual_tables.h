@@ -14,9 +14,8 @@
 #ifndef RENDERER_DUAL_TABLES_H
 #define RENDERER_DUAL_TABLES_H
 
-#include "renderer/dual_azimuth.h"
-
-enum dual_scheme { DUAL_SCHEME_BEST, DUAL_SCHEME_PAPER };
+#include "protocol/bytes.h"
+#include "renderer/dual_mean.h"
 
 enum {
     DUAL_TABLES_COLUMNS = 256, // theta from -pi/2 to pi/2, both ends included
@@ -26,25 +25,33 @@ enum {
     DUAL_TABLES_BINDING = 6
 };
 
-struct dual_mean {   // at one inclination of the illumination, one channel
-    double a_f, a_b; // attenuation: 1 - a_f^2 > 0, A_b + a_b <= 1
-    double alpha_f, alpha_b; // shift, theta_h
-    double beta2_f, beta2_b; // variance, theta_h: theta has four times that
-    double A_b;              // multiple backscattering
-    double delta_b, sigma_b; // shift, standard deviation in theta_i + theta_o
-};
-
 struct dual_tables;
 
-// Thread: any, one at a time; no GL is called.
+// Thread: any, one at a time; no GL is called.  An update makes what depends on
+// what changed since the last one and keeps the rest: the same bits as all of
+// it made anew, from any number of threads (crew.h).
 struct dual_tables *dual_tables_create(void);
 void dual_tables_update(struct dual_tables *t, const struct dual_fibre *f,
                         enum dual_scheme scheme);
 double dual_tables_ms(const struct dual_tables *t); // of the last update
 
+// How often each was made.
+struct dual_tables_work {
+    unsigned sections; // the cross section's energies and series
+    unsigned lobes;    // one mode's weights over the inclination
+    unsigned means;    // what is made of these, and sent to the device
+};
+struct dual_tables_work dual_tables_work(const struct dual_tables *t);
+
+// Appends all that goes to the device, to compare.
+void dual_tables_bytes(const struct dual_tables *t, struct buf *out);
+
 // As the shader sees it: interpolated between entries.  channel: 0..2.
 void dual_tables_mean(const struct dual_tables *t, double theta, int channel,
                       struct dual_mean *out);
+// Of that only a_f and beta2_f.
+void dual_tables_ahead(const struct dual_tables *t, double theta, int channel,
+                       double out[2]);
 const struct dual_series *dual_tables_series(const struct dual_tables *t);
 
 // Uploads what an update changed, binds texture unit and uniform block.

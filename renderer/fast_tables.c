@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "protocol/bytes.h"
+#include "renderer/crew.h"
 #include "renderer/gl.h"
 #include "renderer/program.h"
 
@@ -35,6 +36,11 @@ struct fast_tables {
     float coefficient[D * TERMS][8]; // [theta_d][n]: TT, R; TRT, 0
     uint32_t way[WAYS][4]; // [theta_j]: a_f and betabar_f, 16 bits each
     int terms;
+    struct dual_azimuth azimuth; // of the cross section that these are of
+    double smooth[TERMS];
+    unsigned made;                  // how often; 0: not of any
+    const struct dual_tables *dual; // whose ways these are, and of which
+    unsigned means;                 // of its updates
     bool stale, ways_stale, coarse;
     unsigned buffer[BUFFERS], texture[BUFFERS]; // 0 until bound for once
     unsigned values, pack;                      // programs
@@ -80,29 +86,44 @@ void fast_tables_bessel(double kappa, int count, double *out)
 void fast_tables_coarsen(struct fast_tables *t)
 {
     t->coarse = true;
+    t->made = 0;
+}
+
+// A piece of an update: what the coefficients at one theta_d are.
+static void fill_row(void *context, size_t d)
+{
+    struct fast_tables *t = context;
+    const double at = t->coarse ? (double)(d / 2 * 2 + 1) : (double)d + 0.5;
+    double c[TERMS][DUAL_CHANNELS];
+    dual_azimuth_cosines(&t->azimuth, cos(pi / 2 * at / D), t->terms, c);
+    for (int n = 0; n < t->terms; n++) {
+        float *to = t->coefficient[d * (size_t)t->terms + (size_t)n];
+        for (int k = 0; k < 3; k++) {
+            to[k] = (float)c[n][DUAL_TT + k];
+            to[4 + k] =
+                (float)(c[n][DUAL_TRT + k] * t->smooth[n] / t->smooth[0]);
+        }
+        to[3] = (float)c[n][DUAL_R];
+        to[7] = 0;
+    }
 }
 
 void fast_tables_update(struct fast_tables *t, const struct dual_fibre *f)
 {
-    struct dual_azimuth z;
-    double smooth[TERMS], c[TERMS][DUAL_CHANNELS];
-    dual_azimuth_init(&z, f);
-    t->terms = f->w_c < 0.11 ? TERMS : 48;
-    fast_tables_bessel(2 / (f->w_c * f->w_c), t->terms, smooth);
-    for (int d = 0; d < D; d++) {
-        double at = t->coarse ? d / 2 * 2 + 1 : d + 0.5;
-        dual_azimuth_cosines(&z, cos(pi / 2 * at / D), t->terms, c);
-        for (int n = 0; n < t->terms; n++) {
-            float *to = t->coefficient[d * t->terms + n];
-            for (int k = 0; k < 3; k++) {
-                to[k] = (float)c[n][DUAL_TT + k];
-                to[4 + k] = (float)(c[n][DUAL_TRT + k] * smooth[n] / smooth[0]);
-            }
-            to[3] = (float)c[n][DUAL_R];
-            to[7] = 0;
-        }
-    }
+    const struct dual_section s = dual_azimuth_section(f);
+    if (t->made > 0 && dual_azimuth_same(&s, &t->azimuth.section))
+        return;
+    dual_azimuth_init(&t->azimuth, &s);
+    t->terms = s.w_c < 0.11 ? TERMS : 48;
+    fast_tables_bessel(2 / (s.w_c * s.w_c), t->terms, t->smooth);
+    crew_run(D, fill_row, t);
+    t->made++;
     t->stale = true;
+}
+
+unsigned fast_tables_made(const struct fast_tables *t)
+{
+    return t->made;
 }
 
 static uint32_t part(double x)
@@ -112,13 +133,18 @@ static uint32_t part(double x)
 
 void fast_tables_forward(struct fast_tables *t, const struct dual_tables *dual)
 {
+    const unsigned means = dual_tables_work(dual).means;
+    if (t->dual == dual && t->means == means)
+        return;
     for (int i = 0; i < WAYS; i++)
         for (int k = 0; k < 3; k++) {
-            struct dual_mean m;
-            dual_tables_mean(dual, pi * ((i + 0.5) / WAYS - 0.5), k, &m);
+            double m[2]; // a_f, beta2_f
+            dual_tables_ahead(dual, pi * ((i + 0.5) / WAYS - 0.5), k, m);
             t->way[i][k] =
-                part(m.a_f) << 16 | part(sqrt(m.beta2_f) / FAST_TABLES_BETA);
+                part(m[0]) << 16 | part(sqrt(m[1]) / FAST_TABLES_BETA);
         }
+    t->dual = dual;
+    t->means = means;
     t->ways_stale = true;
 }
 

@@ -40,9 +40,12 @@ struct fast_tables;
 // Thread: any.
 const char *fast_tables_refuse(const struct dual_fibre *f);
 
-// Thread: any, one at a time; no GL is called.  About a millisecond.
+// Thread: any, one at a time; no GL is called.  Nothing is done for a fibre
+// whose cross section is that of the last update.
 struct fast_tables *fast_tables_create(void);
 void fast_tables_update(struct fast_tables *t, const struct dual_fibre *f);
+unsigned
+fast_tables_made(const struct fast_tables *t); // how often anything was
 
 // For tests, to see that they notice: from the next update on two cells over
 // theta_d share what is made for their middle.

@@ -22,6 +22,7 @@ struct lit_fibre {
     struct dual_fibre fibre;
     bool opaque;   // TT and TRT are left out
     bool multiple; // with light that several fibres scatter
+    float d_b;     // how much of it turns back: fibre.d_b
 };
 
 struct lit_block { // uniform block Lit (shaders/lit.glsl)

@@ -1,6 +1,6 @@
 // lit_tables.c - buffers and dispatches of the tables of lights; their shape is
-// lit_plan.c's.  What a cell holds is the shaders' affair, which cells are read,
-// shading.c's.
+// lit_plan.c's.  What a cell holds is the shaders' affair, which cells are
+// read, shading.c's.
 #include "renderer/lit_tables.h"
 
 #include <stdlib.h>
@@ -46,6 +46,7 @@ static const unsigned format[BUFFERS] = {GL_RGBA32UI, GL_RGBA32F,  GL_R32UI,
 
 struct lit_tables {
     struct lit_fibre fibre;
+    bool known; // there is one
     struct lit_plan plan;
     float lambda[LIGHTS];
     int lights;
@@ -64,9 +65,24 @@ struct lit_tables *lit_tables_create(void)
     return bytes_zalloc(1, sizeof(struct lit_tables));
 }
 
+// All that values read: of the fibre not delta_eta, which is the paper's.
+static bool same(const struct lit_fibre *a, const struct lit_fibre *b)
+{
+    const struct dual_section s = dual_azimuth_section(&a->fibre);
+    const struct dual_section t = dual_azimuth_section(&b->fibre);
+    const struct dual_fibre *f = &a->fibre, *g = &b->fibre;
+    return dual_azimuth_same(&s, &t) && a->opaque == b->opaque &&
+           a->multiple == b->multiple && a->d_b == b->d_b &&
+           memcmp(f->alpha, g->alpha, sizeof f->alpha) == 0 &&
+           memcmp(f->beta, g->beta, sizeof f->beta) == 0;
+}
+
 void lit_tables_fibre(struct lit_tables *t, const struct lit_fibre *f)
 {
+    if (t->known && same(&t->fibre, f))
+        return;
     t->fibre = *f;
+    t->known = true;
     t->planned = false;
     t->near_stale = t->far_stale = true;
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "protocol/edit.h"
+#include "renderer/crew.h"
 #include "renderer/egl.h"
 #include "renderer/gl.h"
 #include "renderer/program.h"
@@ -80,6 +81,7 @@ struct renderer *renderer_create(const char *cache_dir, struct error *err)
         size_t n = strlen(cache_dir) + 1;
         r->cache_dir = memcpy(bytes_alloc(n), cache_dir, n);
     }
+    crew_start();
     timer_init(&r->timer);
     lights_init(&r->lights);
     shading_init(&r->shading);

@@ -216,7 +216,7 @@ static void update_fast(struct shading *s, const struct params *p)
         fast_tables_forward(s->fast, s->dual);
     if (!s->lit)
         s->lit = lit_tables_create();
-    const struct lit_fibre lit = {f, s->opaque, s->multiple};
+    const struct lit_fibre lit = {f, s->opaque, s->multiple, p->fibre.d_b};
     lit_tables_fibre(s->lit, &lit);
 }
 

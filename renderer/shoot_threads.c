@@ -2,8 +2,9 @@
 #include "renderer/shoot_threads.h"
 
 #include <pthread.h>
-#include <sched.h>
 #include <stdatomic.h>
+
+#include "renderer/crew.h"
 
 enum { THREADS_MAX = 64 };
 
@@ -25,23 +26,12 @@ static void *toil(void *arg)
     }
 }
 
-// Cores that this process may use, so that a container's or taskset's limit
-// holds.
-static int cores(void)
-{
-    cpu_set_t set;
-    if (sched_getaffinity(0, sizeof set, &set) != 0)
-        return 1;
-    int n = CPU_COUNT(&set);
-    return n < 1 ? 1 : n > THREADS_MAX ? THREADS_MAX : n;
-}
-
 void shoot_threads(size_t count, void (*work)(void *context, size_t i),
                    void *context)
 {
     struct crew c = {.work = work, .context = context, .count = count};
     pthread_t thread[THREADS_MAX];
-    size_t wanted = (size_t)cores(), started = 0;
+    size_t wanted = (size_t)crew_cores(), started = 0;
     if (wanted > count)
         wanted = count;
     // A thread that cannot be had only makes it slower.

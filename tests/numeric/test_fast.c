@@ -56,9 +56,10 @@ static void cosines(void)
         struct exact_case e =
             fibre(&state, i % 2 ? CASES_BROAD : CASES_TYPICAL);
         struct dual_fibre f = probe_dual_grey(&e);
+        const struct dual_section section = dual_azimuth_section(&f);
         struct dual_azimuth z;
         struct exact_dual *dual = exact_dual_create(&e);
-        dual_azimuth_init(&z, &f);
+        dual_azimuth_init(&z, &section);
         fast_tables_bessel(2 / (f.w_c * f.w_c), TERMS, smooth);
         for (int k = 0; k < 5; k++) {
             double theta = -1.4 + 0.7 * k, phi = 0.3 + 0.6 * k;

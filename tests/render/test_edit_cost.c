@@ -67,6 +67,14 @@ static void width(struct params *p, int k)
 {
     p->fibre.beta_r = 7 + 0.1f * (float)k;
 }
+static void shift(struct params *p, int k)
+{
+    p->fibre.alpha_trt = 10 + 0.1f * (float)k;
+}
+static void density(struct params *p, int k)
+{
+    p->fibre.d_f = 0.9f - 0.01f * (float)k;
+}
 static void turn(struct params *p, int k)
 {
     p->light.yaw = 3 + 2 * (float)k;
@@ -92,14 +100,18 @@ static const struct kind {
     {"light colour", colour, "tint display read", 1, 7904, 0, false},
     {"absorption", absorption, "fibre shade resolve display read", 17, 115728,
      0, false},
-    {"width of a lobe", width, "fibre shade resolve display read", 17, 119760,
-     0, false},
+    {"width of a lobe", width, "fibre shade resolve display read", 13, 82896, 0,
+     false},
+    {"shift of a lobe", shift, "fibre shade resolve display read", 13, 78864, 0,
+     false},
+    {"density", density, "fibre shade resolve display read", 5, 2976, 0, false},
     {"sky rotation", turn,
      "light tint crossings shadow shade resolve display read", 231, 2394528, 1,
      true},
     {"camera", zoom, "visible shadow shade resolve display read", 33, 1920, 0,
      true},
 };
+enum { ABSORPTION = 2, SHIFT = 4, DENSITY = 5 };
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
 static void base(struct params *p)
@@ -186,6 +198,13 @@ static void counts(void)
         const struct cost again = settled(r, &p, &kinds[i]);
         CHECK(same_work(&few[i].work, &again.work));
     }
+    // Absorption changes cross sections, a shift what lights make of them, the
+    // density only what places do with that.
+    check_case("an edit makes the tables that it touches, no others");
+    CHECK(few[ABSORPTION].work.dispatches > few[SHIFT].work.dispatches &&
+          few[SHIFT].work.dispatches > few[DENSITY].work.dispatches);
+    CHECK(few[ABSORPTION].work.upload_bytes > few[SHIFT].work.upload_bytes &&
+          few[SHIFT].work.upload_bytes > few[DENSITY].work.upload_bytes);
     check_case("nothing changed: as much as the display alone");
     struct cost none = frame(r, &p);
     CHECK_STR(none.stages, "display read");
