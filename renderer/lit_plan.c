@@ -51,7 +51,7 @@ static void plan_near(struct lit_plan *plan, const struct lit_fibre *f,
         memcpy(&b->light[j][3], &lambdas[j], sizeof lambdas[j]);
         const uint32_t rows = rows_for(2 * pi / (step_s * hypot(w, lambda)));
         const uint32_t phis = phis_for(pi / (step_p * hypot(lambda, w_c)));
-        const float per_s = (float)(rows / (2 * pi));
+        const float per_s = (float)(rows / (2 * pi) * (1 - 1e-6));
         const uint32_t cells = rows * LIT_PLAN_D * phis;
         if (rows > ROWS_MAX || plan->cells + cells > CELLS_MAX) {
             b->rest[rest / 4][rest % 4] = (uint32_t)j;

@@ -52,6 +52,7 @@ static const struct {
     [PROBE_LINE_FIBRE] = {{FIBRE, &theta_i}, FIBRE_NAMES "theta_i"},
     [PROBE_LINE_HALF] = {{FIBRE, &theta_i, &phi}, FIBRE_NAMES "theta_i Phi"},
     [PROBE_LINE_MULTIPLE] = {{FIFTEEN, &sigma_f}, FIFTEEN_NAMES " sigma_f"},
+    [PROBE_LINE_LIT] = {{FIFTEEN, &sigma_f}, FIFTEEN_NAMES " sigma_f"},
 };
 
 static void range_of(const struct column *column, double *min, double *max)

@@ -14,6 +14,7 @@ enum probe_line_form {
     PROBE_LINE_FIBRE,    // the fibre but for a, theta_i
     PROBE_LINE_HALF,     // the same, Phi
     PROBE_LINE_MULTIPLE, // the fifteen, sigma_f
+    PROBE_LINE_LIT,      // the same
     PROBE_LINE_FORMS
 };
 

@@ -2,7 +2,7 @@
 // them.  Reads lines of numbers and prints what the renderer's shaders and
 // tables (or the brute-force reference) make of each.  The integrals live in
 // renderer/{probe,probe_dual,probe_fast,exact,exact_dual}.c, the lines in
-// probe_line.c.
+// probe_line.c, sums over modes in verb_probe_lit.c.
 #include "server/verbs.h"
 
 #include <pthread.h>
@@ -19,15 +19,16 @@
 #include "renderer/probe_fast.h"
 #include "server/options.h"
 #include "server/probe_line.h"
+#include "server/verb_probe_lit.h"
 
 enum { LINE_MAX_BYTES = 4096, SLOW_BATCH = 128, OUTPUTS_MAX = 9, FIBRE = 9 };
 
 enum scheme { SCHEME_BEST, SCHEME_PAPER, SCHEME_EXACT, SCHEME_FAST, SCHEMES };
 static const char *const scheme_names[SCHEMES] = {"best", "paper", "exact",
                                                   "fast"};
-static const char *const form_names[PROBE_LINE_FORMS] = {"single", "fibre",
-                                                         "half", "multiple"};
-static const int outputs[PROBE_LINE_FORMS] = {3, 9, 3, 4};
+static const char *const form_names[PROBE_LINE_FORMS] = {
+    "single", "fibre", "half", "multiple", "lit"};
+static const int outputs[PROBE_LINE_FORMS] = {3, 9, 3, 4, VERB_PROBE_LIT_SUMS};
 
 struct batch {
     enum probe_line_form form;
@@ -36,12 +37,19 @@ struct batch {
     struct probe *single;
     struct probe_dual *dual;
     struct probe_fast *fast;
-    double delta_eta;
+    struct verb_probe_lit *lit;
+    double delta_eta, d_b;
     size_t count, limit;
     double value[PROBE_BATCH][PROBE_LINE_MAX];
 };
 
 // --- what a line says -------------------------------------------------------
+// Of the fifteen, not of the fibre alone?
+static bool has_light(const struct batch *b)
+{
+    return probe_line_count(b->form) >= PROBE_INPUTS;
+}
+
 static struct exact_case case_of(const struct batch *b, size_t i)
 {
     const double *v = b->value[i];
@@ -52,7 +60,7 @@ static struct exact_case case_of(const struct batch *b, size_t i)
                            .w_c = v[8],
                            .a = 1,
                            .delta_eta = b->delta_eta};
-    if (b->form == PROBE_LINE_SINGLE || b->form == PROBE_LINE_MULTIPLE) {
+    if (has_light(b)) {
         c.a = v[9];
         c.lambda_j = v[10];
         c.theta_j = v[11];
@@ -65,9 +73,15 @@ static struct exact_case case_of(const struct batch *b, size_t i)
 
 static bool same_fibre(const struct batch *b, size_t i, size_t j)
 {
-    int count = b->form == PROBE_LINE_MULTIPLE ? FIBRE + 1 : FIBRE; // and a
+    int count = has_light(b) ? FIBRE + 1 : FIBRE; // and a
     return memcmp(b->value[i], b->value[j],
                   (size_t)count * sizeof b->value[i][0]) == 0;
+}
+
+static struct verb_probe_lit_line lit_line(const struct batch *b, size_t i)
+{
+    return (struct verb_probe_lit_line){case_of(b, i),
+                                        b->value[i][PROBE_INPUTS]};
 }
 
 static void print_numbers(const double *v, int count)
@@ -105,6 +119,10 @@ static void exact_one(const struct batch *b, size_t i,
     case PROBE_LINE_MULTIPLE:
         exact_dual_multiple(e, &c, b->value[i][PROBE_INPUTS], false, all);
         memcpy(out, all, 4 * sizeof *out);
+        break;
+    case PROBE_LINE_LIT:;
+        const struct verb_probe_lit_line line = lit_line(b, i);
+        verb_probe_lit_exact(e, &line, b->d_b, out);
         break;
     default:
         exact_modes(&c, out);
@@ -266,6 +284,20 @@ static bool run_dual(struct batch *b, struct dual_tables *means,
     return true;
 }
 
+static bool run_lit(struct batch *b, struct error *err)
+{
+    static struct verb_probe_lit_line line[PROBE_BATCH];
+    static double out[PROBE_BATCH][VERB_PROBE_LIT_CELLS];
+    for (size_t i = 0; i < b->count; i++)
+        line[i] = lit_line(b, i);
+    if (!verb_probe_lit_run(b->lit, line, b->count, out, err))
+        return false;
+    for (size_t i = 0; i < b->count; i++)
+        print_numbers(out[i], b->scheme == SCHEME_FAST ? VERB_PROBE_LIT_CELLS
+                                                       : VERB_PROBE_LIT_SUMS);
+    return true;
+}
+
 // --- batches ----------------------------------------------------------------
 static bool run_batch(struct batch *b, struct error *err)
 {
@@ -276,6 +308,8 @@ static bool run_batch(struct batch *b, struct error *err)
         struct dual_tables *means = dual_tables_create();
         ok = run_dual(b, means, err);
         dual_tables_destroy(means);
+    } else if (b->form == PROBE_LINE_LIT) {
+        ok = run_lit(b, err);
     } else if (b->scheme == SCHEME_FAST) {
         ok = run_fast(b, err);
     } else if (b->count > 0) {
@@ -319,6 +353,20 @@ static bool run_input(struct batch *b, struct error *err)
 }
 
 // --- the verb ---------------------------------------------------------------
+static bool make_probes(struct batch *b, const struct probe_setup *setup,
+                        struct error *err)
+{
+    const bool fast = b->scheme == SCHEME_FAST;
+    const enum dual_scheme dual =
+        b->scheme == SCHEME_PAPER ? DUAL_SCHEME_PAPER : DUAL_SCHEME_BEST;
+    if (b->form == PROBE_LINE_LIT)
+        return (b->lit = verb_probe_lit_create(setup, fast, b->d_b, err));
+    if (b->form != PROBE_LINE_SINGLE)
+        return (b->dual = probe_dual_create(setup, dual, err));
+    b->single = probe_create(setup, err);
+    return b->single && (!fast || (b->fast = probe_fast_create(err)));
+}
+
 static bool run(struct batch *b, const struct probe_setup *setup,
                 struct error *err)
 {
@@ -327,20 +375,11 @@ static bool run(struct batch *b, const struct probe_setup *setup,
     b->egl = egl_create(err);
     if (!b->egl)
         return false;
-    if (b->form == PROBE_LINE_SINGLE)
-        b->single = probe_create(setup, err);
-    else
-        b->dual = probe_dual_create(
-            setup,
-            b->scheme == SCHEME_PAPER ? DUAL_SCHEME_PAPER : DUAL_SCHEME_BEST,
-            err);
-    if (b->scheme == SCHEME_FAST)
-        b->fast = probe_fast_create(err);
-    bool ok = (b->single || b->dual) && (b->fast || b->scheme != SCHEME_FAST) &&
-              run_input(b, err);
+    bool ok = make_probes(b, setup, err) && run_input(b, err);
     probe_destroy(b->single);
     probe_fast_destroy(b->fast);
     probe_dual_destroy(b->dual);
+    verb_probe_lit_destroy(b->lit);
     egl_destroy(b->egl);
     return ok;
 }
@@ -377,10 +416,11 @@ static bool choose_all(struct batch *b, const char *what, const char *scheme,
     int layout = chosen < 0 ? -1 : choose("nodes", nodes, layouts, 2);
     if (layout < 0)
         return false;
-    if (chosen == SCHEME_FAST && form != PROBE_LINE_SINGLE) {
+    if (chosen == SCHEME_FAST && form != PROBE_LINE_SINGLE &&
+        form != PROBE_LINE_LIT) {
         struct error err;
         error_set(&err, "range", "scheme",
-                  "--scheme: fast has no --what %s, only single", what);
+                  "--scheme: fast has no --what %s, only single and lit", what);
         options_fail(&err);
         return false;
     }
@@ -399,16 +439,22 @@ int verb_probe_run(int argc, char **argv)
     static struct batch b;
     const char *what = form_names[0], *scheme = "", *nodes = "paper";
     struct probe_setup setup = {.m = 4, .tables = 1};
+    b.d_b = params_find("fibre.d_b", 9)->def[0];
     const struct options_row rows[] = {
-        {"what", OPTIONS_TEXT, &what, 0, 0, "single|fibre|half|multiple",
+        {"what", OPTIONS_TEXT, &what, 0, 0, "single|fibre|half|multiple|lit",
          "single: M_R M_TT M_TRT; fibre, for theta_i: abar_f abar_b alphabar_f "
          "alphabar_b betabar2_f betabar2_b A_b Delta_b sigma_b; half, for "
          "theta_i Phi: NG_R NG_TT NG_TRT; multiple, for sigma_f: MG_R MG_TT "
-         "MG_TRT ML"},
+         "MG_TRT ML; lit, for sigma_f: all modes and glow of the light, all "
+         "of light scattered forward"},
         {"scheme", OPTIONS_TEXT, &scheme, 0, 0, "best|paper|exact|fast",
          "the renderer's tables and shaders, or brute force in double "
-         "precision; single: paper is the default, fast as render.path=table "
-         "lights a place; else best"},
+         "precision; fast: as render.path=table lights a place: single from "
+         "tables of modes; lit from those of the light, then both sums from "
+         "tables of modes, cells (s theta_o Phi; ln sigma_f s theta_o Phi) and "
+         "their sizes"},
+        {"d-b", OPTIONS_REAL, &b.d_b, 0, 1, "X",
+         "lit: density factor of light scattered back (fibre.d_b)"},
         {"m", OPTIONS_INT, &setup.m, 2, 256, "N",
          "segments of the outer integral (Xu 2011, section 4.2.2)"},
         {"nodes", OPTIONS_TEXT, &nodes, 0, 0, "paper|fine",

@@ -10,6 +10,7 @@
 // width sigma_f: it knows no light, ln sigma_f is its fourth axis.  Cells are
 // local quadratics as fast.glsl's.  C side: renderer/lit_tables.h.
 #include "lit_size.glsl"
+#include "guard.glsl"
 
 layout(std140, binding = 9) uniform Lit {
     vec4 lit_far;   // first ln sigma_f; slices; rows of a slice; width^2
@@ -69,16 +70,43 @@ vec4 lit_bytes(uint bits)
     return vec4(ivec4(bits, bits << 8, bits << 16, bits << 24) >> 24);
 }
 
+#ifdef GUARDS
+bool lit_beyond(vec3 at, vec3 size)
+{
+    return any(lessThan(at, vec3(-1e-3))) || any(greaterThan(at, size + 1e-3));
+}
+
+// Has the middle of a cell, counted from 0, no theta_j?
+bool lit_over(vec2 cell, float per_s, float views)
+{
+    float theta_o = lit_theta_o((cell.y + 0.5) / views);
+    return abs((cell.x + 0.5) / per_s - LIT_PI - theta_o) > 0.5 * LIT_PI;
+}
+
+bvec4 lit_full(vec4 bytes) { return greaterThanEqual(abs(bytes), vec4(126.5)); }
+#endif
+
 vec3 lit_near(uvec4 light, float s, float view, float across)
 {
     LitAt a = lit_at(lit_place(light, s, view, across),
                      vec2(LIT_D, float(lit_phis(light))));
+    GUARD(GUARD_LIT_EDGE,
+          lit_beyond(lit_place(light, s, view, across),
+                     vec3(light.y >> 16, LIT_D, lit_phis(light))));
+    GUARD(GUARD_LIT_OVER,
+          lit_over(lit_place(light, s, view, across).xy - a.x.xy - 0.5,
+                   uintBitsToFloat(light.x), LIT_D));
     int at = 2 * (int(light.z) + a.cell);
     FastCell f = fast_open(texelFetch(lit_cells, at),
                            texelFetch(lit_cells, at + 1));
     vec3 x = a.x;
     float q = 1.0 + x.x * (f.dd * x.x + f.dl * x.y + f.dp * x.z) +
               x.y * (f.ll * x.y + f.lp * x.z) + f.pp * x.z * x.z;
+    GUARD(GUARD_LIT_STEEP, abs(f.dd) >= 8.0);
+    GUARD(GUARD_LIT_BEND, lit_full(vec4(f.ll, f.pp, f.dl, f.dp) / FAST_BYTE));
+    GUARD(GUARD_LIT_BEND, abs(f.lp) > 126.5 * FAST_BYTE);
+    GUARD(GUARD_LIT_LEAST, lessThan(f.c * q + f.d * x.x + f.l * x.y + f.p * x.z,
+                                    -0.01 * f.c));
     return max(f.c * q + f.d * x.x + f.l * x.y + f.p * x.z, 0.0);
 }
 
@@ -95,16 +123,32 @@ LitFar lit_far_here()
                   int(lit_from.x));
 }
 
-// log_sigma: of each channel; the cell is that of their mean.
+// y: ln sigma_f of each channel, in slices; the cell is that of their mean.
+struct LitFarAt {
+    float slice, per_s; // cells a radian of s there
+    LitAt at;           // within the slice
+};
+
+LitFarAt lit_far_place(LitFar f, float s, float view, float across, vec3 y)
+{
+    LitFarAt a;
+    a.slice = floor(clamp(dot(y, vec3(1.0 / 3.0)), 0.0, f.most));
+    float wide = exp(2.0 * f.first + (a.slice + 0.5) * (2.0 / LIT_FAR_LOG));
+    a.per_s = inversesqrt(f.width2 + wide) * (1.0 / LIT_FAR_WIDTHS);
+    a.per_s = min(a.per_s, f.rows * LIT_ROWS);
+    a.at = lit_at(vec3((s + LIT_PI) * a.per_s, view * LIT_FAR_D,
+                       across * LIT_FAR_P),
+                  vec2(LIT_FAR_D, LIT_FAR_P));
+    return a;
+}
+
+// log_sigma: of each channel.
 vec3 lit_far_at(LitFar f, float s, float view, float across, vec3 log_sigma)
 {
     vec3 y = (log_sigma - f.first) * LIT_FAR_LOG;
-    float slice = floor(clamp(dot(y, vec3(1.0 / 3.0)), 0.0, f.most));
-    float wide = exp(2.0 * f.first + (slice + 0.5) * (2.0 / LIT_FAR_LOG));
-    float per_s = inversesqrt(f.width2 + wide) * (1.0 / LIT_FAR_WIDTHS);
-    LitAt a = lit_at(vec3((s + LIT_PI) * min(per_s, f.rows * (0.5 / LIT_PI)),
-                          view * LIT_FAR_D, across * LIT_FAR_P),
-                     vec2(LIT_FAR_D, LIT_FAR_P));
+    LitFarAt place = lit_far_place(f, s, view, across, y);
+    LitAt a = place.at;
+    float slice = place.slice;
     int at = f.from + 2 * (int(slice * f.rows * (LIT_FAR_D * LIT_FAR_P)) + a.cell);
     uvec4 p = texelFetch(lit_cells, at), q = texelFetch(lit_cells, at + 1);
     vec3 x = a.x * FAST_BYTE, w = clamp(y - slice - 0.5, -2.0, 2.0);
@@ -116,9 +160,28 @@ vec3 lit_far_at(LitFar f, float s, float view, float across, vec3 log_sigma)
                       x.y * (by_s.w * a.x.y + bend.x * a.x.z) +
                       x.z * by_t.w * a.x.z;
     float along = bend.y * x.x + bend.z * x.y + bend.w * x.z;
+    GUARD(GUARD_LIT_FAR_EDGE,
+          lit_beyond(vec3((s + LIT_PI) * place.per_s, view * LIT_FAR_D,
+                          across * LIT_FAR_P),
+                     vec3(f.rows, LIT_FAR_D, LIT_FAR_P)));
+    GUARD(GUARD_LIT_FAR_OVER,
+          lit_over(vec2((s + LIT_PI) * place.per_s, view * LIT_FAR_D) - a.x.xy -
+                       0.5,
+                   place.per_s, LIT_FAR_D));
+    GUARD(GUARD_LIT_FAR_SIGMA,
+          greaterThan(abs(y - slice - 0.5), vec3(2.0 + 1e-3)));
+    GUARD(GUARD_LIT_FAR_STEEP, abs(fast_low(p.y)) >= 8.0);
+    GUARD(GUARD_LIT_FAR_SLOPE, lit_full(vec4(by_s.xyz, 0.0)));
+    GUARD(GUARD_LIT_FAR_SLOPE, lit_full(vec4(by_t.xyz, 0.0)));
+    GUARD(GUARD_LIT_FAR_SLOPE, lit_full(vec4(by_p.xyz, 0.0)));
+    GUARD(GUARD_LIT_FAR_SLOPE, lit_full(vec4(by_w.xyz, 0.0)));
+    GUARD(GUARD_LIT_FAR_BEND, lit_full(vec4(by_s.w, by_t.w, by_p.w, by_w.w)));
+    GUARD(GUARD_LIT_FAR_BEND, lit_full(vec4(bend.xyz, float(int(q.w) >> 24))));
+    GUARD(GUARD_LIT_FAR_BEND, lit_full(vec4(bend.w)));
     vec3 rest = by_s.xyz * x.x + by_t.xyz * x.y + by_p.xyz * x.z +
                 w * (by_w.xyz * FAST_BYTE + along +
                      float(int(q.w) >> 24) * FAST_BYTE * w);
+    GUARD(GUARD_LIT_FAR_LEAST, lessThan(flat_part + rest, vec3(-0.01)));
     return value * max(flat_part + rest, 0.0);
 }
 #endif

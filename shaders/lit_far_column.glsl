@@ -19,8 +19,8 @@ LitFarColumn lit_far_column(uint n)
     c.log_sigma = lit_far.x + (float(slice) + 0.5) / LIT_FAR_LOG;
     float per_s = inversesqrt(lit_far.w + exp(2.0 * c.log_sigma)) *
                   (1.0 / LIT_FAR_WIDTHS);
-    per_s = min(per_s, lit_far.z / (2.0 * LIT_PI));
-    c.rows = int(ceil(2.0 * LIT_PI * per_s - 1e-4));
+    per_s = min(per_s, lit_far.z * LIT_ROWS);
+    c.rows = int(2.0 * LIT_PI * per_s) + 1; // the end's is the last
     float s = (float(c.s) + 0.5) / per_s - LIT_PI;
     float low = lit_theta_o(max(float(c.d) - 1.0, 0.0) / LIT_FAR_D);
     float high = lit_theta_o(min(float(c.d) + 2.0, LIT_FAR_D) / LIT_FAR_D);

@@ -106,6 +106,49 @@ static double local_best(const struct dual_tables *t,
     return sum * pi / STEPS * (pi - away) / (pi * pi);
 }
 
+// Integral of exp(kappa (cos t - 1)) over half a circle about phi.
+static double half_lobe(double kappa, double phi)
+{
+    enum { STEPS = 200 };
+    const double reach = kappa > 40 ? acos(1 - 40 / kappa) : pi;
+    const double lo = fmax(phi - pi / 2, -reach);
+    const double hi[2] = {fmin(phi + pi / 2, reach),
+                          fmin(phi + pi / 2, 2 * pi + reach)};
+    const double from[2] = {lo, fmax(phi - pi / 2, 2 * pi - reach)};
+    double sum = 0;
+    for (int part = 0; part < 2; part++) {
+        const double step = fmax(hi[part] - from[part], 0) / STEPS;
+        for (int i = 0; i < STEPS; i++) {
+            const double h = sin((from[part] + (i + 0.5) * step) / 2);
+            sum += step * exp(-2 * kappa * h * h);
+        }
+    }
+    return sum;
+}
+
+double dual_double_glow(const struct dual_tables *t, const struct exact_case *c,
+                        int channel)
+{
+    enum { STEPS = 400 };
+    const double phi = fabs(remainder(c->phi_o - c->phi_j, 2 * pi));
+    const double lo = fmax(c->theta_j - 6.5 * c->lambda_j, -pi / 2);
+    const double hi = fmin(c->theta_j + 6.5 * c->lambda_j, pi / 2);
+    const double per = 2 * cos(c->theta_j) / (c->lambda_j * c->lambda_j);
+    double sum = 0;
+    for (int i = 0; i < STEPS; i++) {
+        const double theta = lo + (hi - lo) * (i + 0.5) / STEPS;
+        const double d = (theta - c->theta_o) / 2, ci = cos(theta);
+        const double h = sin((theta - c->theta_j) / 2) / c->lambda_j;
+        struct dual_mean m;
+        dual_tables_mean(t, d, channel, &m);
+        sum += exp(-4 * h * h) * ci / pi *
+               half_lobe(fmax(per * ci, 1e-9), phi) * m.A_b *
+               gauss(theta + c->theta_o - m.delta_b, sqrt(2) * m.sigma_b) * ci /
+               (cos(d) * cos(d));
+    }
+    return sum * (hi - lo) / STEPS;
+}
+
 void dual_double_best(const struct dual_tables *t, const struct exact_case *c,
                       const double sigma_f[3], int channel, double out[4])
 {

@@ -13,6 +13,10 @@
 void dual_double_best(const struct dual_tables *t, const struct exact_case *c,
                       const double sigma_f[3], int channel, double out[4]);
 
+// M^L of the light itself: its own lobe instead of psi_f, by equal steps.
+double dual_double_glow(const struct dual_tables *t, const struct exact_case *c,
+                        int channel);
+
 // Scheme `paper`, m = 4, nothing from the tables: every integral over phi by
 // equal steps.  sigma_f of all channels.
 void dual_double_paper(const struct exact_case *c, double sigma_f,

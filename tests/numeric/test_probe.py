@@ -72,6 +72,49 @@ def test_fast():
     assert code == 2 and out == "" and "single" in err, (code, out, err)
 
 
+def test_lit():
+    """All modes of a light, as the default picture adds them up: near what
+    brute force says, with the cells that were read; refused fibres directly."""
+    text = line().rstrip("\n") + " 0.9\n"
+    (fast,) = values(text, "--what", "lit", "--scheme", "fast")
+    (best,) = values(text, "--what", "lit")
+    (exact,) = values(text, "--what", "lit", "--scheme", "exact")
+    (paper,) = values(text, "--what", "lit", *METHOD)
+    assert [len(r) for r in (fast, best, exact, paper)] == [18, 2, 2, 2]
+    for k in (0, 1):  # measured: .0063 and .035 (cells), .0036 and .0013, .0026
+        assert abs(fast[k] - exact[k]) < .05 * exact[k], (fast, exact)
+        assert abs(fast[2 + k] - exact[k]) < .006 * exact[k], (fast, exact)
+        assert abs(best[k] - exact[k]) < .005 * exact[k], (best, exact)
+        assert fast[k] != fast[2 + k]
+    assert fast[4:7] == [8, 9, 3] and fast[7:11] == [0, 7, 4, 3], fast
+    for size, want in zip(fast[11:], (math.tau / 16, .1511, math.pi / 8, .5, .4826,
+                                      .3365, math.pi / 8)):
+        assert abs(size - want) < 1e-3 * want, fast
+    # with no glow what is left are the modes
+    (bare,) = values(text, "--what", "lit", "--d-b", "0", "--scheme", "exact")
+    single = values(line(), "--scheme", "exact")[0]
+    assert abs(bare[0] - sum(single)) < 1e-6 * bare[0], (bare, single)
+    (cut,) = values(text, "--what", "lit", "--d-b", "0", "--scheme", "fast")
+    assert abs(cut[0] - bare[0]) < .05 * bare[0] and cut[0] < fast[0]
+    # an eccentric fibre, a caustic too narrow, a light too narrow for a table;
+    # neighbours change nothing
+    lines = [text] + [line(**c).rstrip("\n") + " 0.9\n" for c in (
+        {"a": 1.1}, {"w_c": 0.05}, {"lambda_j": 0.002, "beta_TT": 0.01})] + [text]
+    got = values("".join(lines), "--what", "lit", "--scheme", "fast")
+    direct = values("".join(lines), "--what", "lit")
+    assert got[0] == got[4] == fast
+    for k in (1, 2):
+        assert got[k][:2] == got[k][2:4] == direct[k], (got[k], direct[k])
+        assert got[k][4:11] == [-1] * 7 and got[k][11:] == [0] * 7, got[k]
+    assert got[3][4:7] == [-1] * 3 and got[3][0] == got[3][2], got[3]
+    assert got[3][7] >= 0, got[3]
+    code, out, err = probe(line(), "--what", "lit")
+    assert code == 1 and "16 are wanted" in err, err
+    for word in ("-0.1", "1.1", "x"):
+        code, out, err = probe(text, "--what", "lit", "--d-b", word)
+        assert code == 2 and out == "" and "d-b" in err, (code, out, err)
+
+
 def test_comments():
     text = "# eta ...\n\n" + line() + "   \t\n  # again\n" + line(a=1.1) + "\n"
     got = values(text)

@@ -1,0 +1,164 @@
+#version 450 core
+// Single places as the tables of each light have them (lit.glsl), through the
+// functions that shade the default picture.  In: light, theta_j, Phi, theta_o,
+// sigma_f red, green, blue.  Out, each red, green, blue: what comes directly
+// (M_R + M_TT + M_TRT + d_b M^L of the light) and what came forward (M^G +
+// d_b M^L); both once more from the tables of modes (fast.glsl), of which the
+// cells are made; then the cells: s theta_o Phi of the light's table (-1: it has
+// none, and modes are read), ln sigma_f s theta_o Phi of the far one, and their
+// sizes in the same order.
+#include "params.glsl"
+#include "xu.glsl"
+#include "best.glsl"
+#ifdef WITH_MULTIPLE
+#include "dual.glsl"
+#endif
+#include "fast.glsl"
+#include "fast_near.glsl"
+#include "fast_grazing.glsl"
+#include "lit.glsl"
+layout(local_size_x = 64) in;
+layout(location = 0) uniform uint count;
+layout(std430, binding = 0) readonly buffer Cases { float cases[]; };
+layout(std430, binding = 1) writeonly buffer Results { float results[]; };
+#ifdef GUARDS
+layout(std430, binding = 2) writeonly buffer Hits { uint hits[]; };
+#endif
+const uint IN = 7u, OUT = 26u, NEAR_AT = 12u, FAR_AT = 15u, NEAR_SIZE = 19u,
+           FAR_SIZE = 22u;
+
+void store(uint at, vec3 v)
+{
+    results[at] = v.x;
+    results[at + 1u] = v.y;
+    results[at + 2u] = v.z;
+}
+
+Fibre fibre_here()
+{
+    return Fibre(fibre_eta, fibre_sigma_a, fibre_a,
+                 vec3(fibre_alpha_r, fibre_alpha_tt, fibre_alpha_trt),
+                 vec3(fibre_beta_r, fibre_beta_tt, fibre_beta_trt), fibre_w_c,
+                 fibre_delta_eta);
+}
+
+// Indices of s, theta_o and Phi.
+vec3 indices(int cell, ivec2 size)
+{
+    return vec3(cell / (size.x * size.y), cell / size.y % size.x, cell % size.y);
+}
+
+// A cell over theta_o, of so many; row: which.
+float view_size(float row, float many)
+{
+    return lit_theta_o((row + 1.0) / many) - lit_theta_o(row / many);
+}
+
+// Nothing counts where no lobe sends a thousandth of its most.
+#ifdef GUARDS
+bool lit_live(Fibre f, float s, vec3 width)
+{
+    vec3 away = 2.0 * f.alpha - s;
+    vec3 one = exp(-away * away / (8.0 * f.beta * f.beta + width.x * width.x));
+    vec3 two = exp(-away * away / (8.0 * f.beta * f.beta + width.y * width.y));
+    vec3 three = exp(-away * away / (8.0 * f.beta * f.beta + width.z * width.z));
+    return any(greaterThan(min(one, min(two, three)), vec3(1e-3)));
+}
+#define LIT_LIVE(f, s, width) GUARD_LIVE(lit_live(f, s, width))
+#else
+#define LIT_LIVE(f, s, width)
+#endif
+
+vec3 near_modes(Fibre f, Srbf l, float theta_o, float across)
+{
+    vec3 r, tt, trt;
+    fast_modes(f, l, theta_o, across, r, tt, trt);
+    if (fast_grazes(theta_o))
+        r = fast_grazing_r(f, l, theta_o, across);
+    vec3 sum = r + tt + trt;
+#ifdef WITH_MULTIPLE
+    sum += fibre_d_b * fast_near(dual_view(theta_o), l, cos(LIT_PI * across));
+#endif
+    return sum;
+}
+
+vec3 near_cells(uint to, uvec4 light, Srbf l, float theta_o, float across)
+{
+    float s = theta_o + l.theta, view = lit_view(theta_o);
+    int phis = int(lit_phis(light));
+    vec3 at = indices(lit_at(lit_place(light, s, view, across),
+                             vec2(LIT_D, float(phis))).cell,
+                      ivec2(int(LIT_D), phis));
+    store(to + NEAR_AT, at);
+    store(to + NEAR_SIZE, vec3(1.0 / uintBitsToFloat(light.x),
+                               view_size(at.y, LIT_D), LIT_PI / float(phis)));
+    return lit_near(light, s, view, across);
+}
+
+#ifdef WITH_MULTIPLE
+vec3 far_modes(Fibre f, float theta_j, float theta_o, float across, vec3 sigma)
+{
+    vec3 sigma2 = sigma * sigma;
+    vec3 local = dual_back(dual_view(theta_o), theta_j, sigma2) *
+                 ((1.0 - across) * (1.0 / LIT_PI)); // eq 30
+    return fast_global(f, theta_o, theta_j, across, sigma2) + fibre_d_b * local;
+}
+
+vec3 far_cells(uint to, float theta_j, float theta_o, float across, vec3 sigma)
+{
+    float s = theta_o + theta_j, view = lit_view(theta_o);
+    LitFar f = lit_far_here();
+    vec3 y = (log(sigma) - f.first) * LIT_FAR_LOG;
+    LitFarAt a = lit_far_place(f, s, view, across, y);
+    vec3 at = indices(a.at.cell, ivec2(int(LIT_FAR_D), int(LIT_FAR_P)));
+    results[to + FAR_AT] = a.slice;
+    store(to + FAR_AT + 1u, at);
+    results[to + FAR_SIZE] = 1.0 / LIT_FAR_LOG;
+    store(to + FAR_SIZE + 1u, vec3(1.0 / a.per_s, view_size(at.y, LIT_FAR_D),
+                                   LIT_PI / LIT_FAR_P));
+    return lit_far_at(f, s, view, across, log(sigma));
+}
+#endif
+
+void main()
+{
+    uint i = gl_GlobalInvocationID.x;
+    if (i >= count)
+        return;
+    uint at = IN * i, to = OUT * i;
+    uvec4 light = lit_light[uint(cases[at])];
+    Srbf l = Srbf(cases[at + 1u], 0.0, uintBitsToFloat(light.w));
+    float across = xu_across(cases[at + 2u]), theta_o = cases[at + 3u];
+    Fibre f = fibre_here();
+    bool tabled = light.y > 0u;
+    vec3 near = vec3(0.0);
+    LIT_LIVE(f, theta_o + l.theta, vec3(l.lambda));
+    if (tabled) {
+        near = near_cells(to, light, l, theta_o, across);
+    } else {
+        store(to + NEAR_AT, vec3(-1.0));
+        store(to + NEAR_SIZE, vec3(0.0));
+    }
+#ifdef WITH_MULTIPLE
+    vec3 sigma = vec3(cases[at + 4u], cases[at + 5u], cases[at + 6u]);
+    LIT_LIVE(f, theta_o + l.theta, sigma);
+    store(to + 3u, far_cells(to, l.theta, theta_o, across, sigma));
+#else
+    for (uint k = FAR_AT; k < FAR_AT + 4u; k++) {
+        results[to + k] = -1.0;
+        results[to + k + FAR_SIZE - FAR_AT] = 0.0;
+    }
+    store(to + 3u, vec3(0.0));
+    store(to + 9u, vec3(0.0));
+#endif
+#ifdef GUARDS
+    for (uint k = 0u; k < uint(GUARD_WORDS); k++)
+        hits[uint(GUARD_WORDS) * i + k] = guard_bits[k];
+#endif
+    vec3 modes = near_modes(f, l, theta_o, across);
+    store(to, tabled ? near : modes);
+    store(to + 6u, modes);
+#ifdef WITH_MULTIPLE
+    store(to + 9u, far_modes(f, l.theta, theta_o, across, sigma));
+#endif
+}
