@@ -16,9 +16,6 @@
 #include "renderer/program.h"
 #include "renderer/timer.h"
 
-// From where a lookup begins, in voxels along the way: nearer, the voxels hold
-// the strand itself and what is beside it.
-static const float start_voxels = 0.7f;
 static const int usual_ways = 120;
 // The samples of depth maps are as sparse as this: voxels of the field in one.
 enum { SPARSE = 3, SPARSE_MIN = 16 };
@@ -143,7 +140,8 @@ static int most_tiles(const struct crossings *c, int limit)
     int64_t n = 1;
     for (int k = 0; k < 3; k++)
         n *= limit / c->size[k];
-    return n > CROSSINGS_WAYS_MAX ? CROSSINGS_WAYS_MAX : (int)n;
+    const int most = CROSSINGS_WAYS_MAX / 4;
+    return n > most ? most : (int)n;
 }
 
 static int limit_3d(void)
@@ -259,7 +257,6 @@ bool crossings_build_grid(struct crossings *c, const struct groom *g,
         c->block->size[k] = (float)c->size[k];
     }
     c->block->box[3] = 1 / c->voxel;
-    c->block->size[3] = start_voxels;
     c->block->texel[3] = p->hair.use_opacity ? g->default_opacity : 1;
     take_head(c, g, p);
     c->stats.grid_ms = 1e3 * (timer_now() - began);
@@ -274,24 +271,28 @@ bool crossings_build_grid(struct crossings *c, const struct groom *g,
 // there is room then.
 static int lay_tiles(const struct crossings *c, int ways, int tiles[3])
 {
-    const int limit = limit_3d();
+    const int limit = limit_3d(), count = crossings_ways_tiles(ways);
     const int z = limit / c->size[Z], y = limit / c->size[Y];
-    tiles[X] = (ways + z * y - 1) / (z * y);
-    tiles[Y] = (ways + tiles[X] * z - 1) / (tiles[X] * z);
-    tiles[Z] = (ways + tiles[X] * tiles[Y] - 1) / (tiles[X] * tiles[Y]);
+    tiles[X] = (count + z * y - 1) / (z * y);
+    tiles[Y] = (count + tiles[X] * z - 1) / (tiles[X] * z);
+    tiles[Z] = (count + tiles[X] * tiles[Y] - 1) / (tiles[X] * tiles[Y]);
     return tiles[X] * tiles[Y] * tiles[Z];
+}
+
+// Of the atlas for so many ways.
+static uint64_t atlas_bytes(const struct crossings *c, int ways)
+{
+    int tiles[3];
+    return ways > 0
+               ? 4 * (uint64_t)lay_tiles(c, ways, tiles) * crossings_voxels(c)
+               : 0;
 }
 
 static bool has_room(const struct crossings *c, int ways)
 {
-    int tiles[3];
-    if (ways > most_tiles(c, limit_3d()))
-        return false;
-    if (c->options.budget == 0 || ways == 0)
-        return true;
-    const uint64_t room = (uint64_t)lay_tiles(c, ways, tiles);
-    return c->stats.grid_bytes + room * crossings_voxels(c) <=
-           c->options.budget;
+    return crossings_ways_tiles(ways) <= most_tiles(c, limit_3d()) &&
+           (c->options.budget == 0 ||
+            c->stats.grid_bytes + atlas_bytes(c, ways) <= c->options.budget);
 }
 
 // Ways of each light, fewer by `shift` halvings; returns their sum.
@@ -315,19 +316,16 @@ static bool choose_counts(struct crossings *c, const struct crossings_light *l,
                           int count, enum crossings_quality quality,
                           struct error *err)
 {
-    if (!has_room(c, count)) {
-        int tiles[3];
-        const uint64_t room = (uint64_t)lay_tiles(c, count, tiles);
-        return error_set(err, "limit", "shadow",
-                         "shadows: %d lights need %llu bytes for %d x %d x %d "
-                         "voxels; %llu and %d directions are possible",
-                         count,
-                         (unsigned long long)(c->stats.grid_bytes +
-                                              room * crossings_voxels(c)),
-                         c->size[X], c->size[Y], c->size[Z],
-                         (unsigned long long)c->options.budget,
-                         most_tiles(c, limit_3d()));
-    }
+    if (!has_room(c, count))
+        return error_set(
+            err, "limit", "shadow",
+            "shadows: %d lights need %llu bytes for %d x %d x %d "
+            "voxels; %llu and %d directions are possible",
+            count,
+            (unsigned long long)(c->stats.grid_bytes + atlas_bytes(c, count)),
+            c->size[X], c->size[Y], c->size[Z],
+            (unsigned long long)c->options.budget,
+            4 * most_tiles(c, limit_3d()));
     int total = count_ways(c, l, count, quality, 0);
     const int wanted = total;
     for (int shift = 1; !has_room(c, total); shift++)
@@ -351,44 +349,42 @@ static float share_of(const struct crossings_light *l, int ways)
     return fmaxf(l->lambda, 1e-4f) * sqrtf((float)M_PI / (float)ways);
 }
 
-// What a lookup reads of way i, of which its light j has n.
-static void fill_way(struct crossings *c, const struct crossings_light *l,
-                     int j, int i)
+// What a lookup reads of tile i.
+static void fill_tile(struct crossings *c, int i)
 {
-    float(*way)[4] = c->block->way[i];
-    const int first = (int)c->block->light[j][0];
-    const int n = (int)c->block->light[j][1];
-    float across = 0, head[3];
-    crossings_ways_direction(l, i - first, n, way[0]);
-    for (int k = 0; k < 3; k++) {
-        head[k] = way[0][k] * c->block->inverse[k];
-        across += head[k] * head[k];
-    }
-    for (int k = 0; k < 3; k++)
-        way[2][k] = head[k] / sqrtf(across);
-    way[0][3] = i == first + n - 1 ? (float)(j + 1) : 0;
-    way[1][3] = 1 / (float)n;
-    way[2][3] = 1 / share_of(l, n);
-    int tile = i;
-    for (int a = Z; a >= X; a--) {
-        way[1][a] = (float)(tile % c->tiles[a] * c->size[a]);
+    for (int tile = i, a = Z; a >= X; a--) {
+        c->block->tile[i][a] = (float)(tile % c->tiles[a] * c->size[a]);
         tile /= c->tiles[a];
     }
+}
+
+static void fill_slot(struct crossings *c, const struct crossings_light *l,
+                      int j, const float way[4])
+{
+    float *slot = c->block->slot[(int)way[3]], across = 0;
+    for (int k = 0; k < 3; k++) {
+        slot[k] = way[k] * c->block->inverse[k];
+        across += slot[k] * slot[k];
+    }
+    for (int k = 0; k < 3; k++)
+        slot[k] /= sqrtf(across);
+    slot[3] = 1 / share_of(l, (int)c->block->light[j][1]);
 }
 
 static void fill_block(struct crossings *c, const struct crossings_light *l)
 {
     struct crossings_block *b = c->block;
-    b->all[0] = (uint32_t)c->stats.ways;
     for (int k = 0; k < 3; k++)
         b->texel[k] = 1 / (float)(c->tiles[k] * c->size[k]);
+    for (int i = 0; i < (int)b->all[0]; i++)
+        fill_tile(c, i);
     for (int j = 0; j < c->stats.lights; j++) {
         const int first = (int)b->light[j][0], n = (int)b->light[j][1];
         b->light[j][2] = float_bits(l[j].lambda);
         b->light[j][3] = float_bits(share_of(&l[j], n));
         memcpy(b->centre[j], l[j].direction, sizeof l[j].direction);
         for (int i = first; i < first + n; i++)
-            fill_way(c, &l[j], j, i);
+            fill_slot(c, &l[j], j, b->way[i]);
     }
     gl.NamedBufferSubData(c->uniform, 0, sizeof *b, b);
 }
@@ -401,7 +397,7 @@ static bool make_atlas(struct crossings *c, struct error *err)
         return true;
     gl.DeleteTextures(1, &c->atlas);
     gl.CreateTextures(GL_TEXTURE_3D, 1, &c->atlas);
-    gl.TextureStorage3D(c->atlas, 1, GL_R8, tiles[X] * c->size[X],
+    gl.TextureStorage3D(c->atlas, 1, GL_RGBA8, tiles[X] * c->size[X],
                         tiles[Y] * c->size[Y], tiles[Z] * c->size[Z]);
     gl.TextureParameteri(c->atlas, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     gl.TextureParameteri(c->atlas, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
@@ -410,7 +406,7 @@ static bool make_atlas(struct crossings *c, struct error *err)
     gl.TextureParameteri(c->atlas, GL_TEXTURE_WRAP_R, GL_CLAMP_TO_EDGE);
     gl.ObjectLabel(GL_TEXTURE, c->atlas, -1, "crossings");
     memcpy(c->tiles, tiles, sizeof tiles);
-    c->stats.ways_bytes = (uint64_t)room * crossings_voxels(c);
+    c->stats.ways_bytes = 4 * (uint64_t)room * crossings_voxels(c);
     if (gl_check("the shadows' directions", err))
         return true;
     forget_ways(c);
@@ -429,6 +425,7 @@ bool crossings_update(struct crossings *c, const struct crossings_light *lights,
         return false;
     if (c->stats.ways == 0) // nothing to look up
         return true;
+    crossings_ways_lay(c, lights);
     if (!make_atlas(c, err))
         return false;
     fill_block(c, lights);

@@ -36,7 +36,8 @@
 
 enum {
     CROSSINGS_LIGHTS_MAX = 200,
-    CROSSINGS_WAYS_MAX = 1024, // directions of all lights together
+    CROSSINGS_WAYS_MAX = 1024, // directions of all lights together, and slots
+                               // of tiles
     CROSSINGS_RESOLUTION_MIN = 32,
     CROSSINGS_RESOLUTION_MAX = 192,
     CROSSINGS_RAYS_MAX = 16,
@@ -95,7 +96,7 @@ struct crossings { // zero-initialised is empty; all fields are private
     int size[3];          // voxels, multiples of 4
     unsigned tensor[2];   // 3-D textures: rho, rho A_xx, A_yy, A_zz; rho A_yz,
                           // A_zx, A_xy
-    unsigned atlas;       // 3-D texture: a tile a direction
+    unsigned atlas;       // 3-D texture: a tile four directions
     int tiles[3];         // tiles of the atlas along x, y, z
     unsigned uniform;     // buffer
     struct {              // for rays; 0 until crossings_build_lists
@@ -111,12 +112,18 @@ struct crossings { // zero-initialised is empty; all fields are private
         uint64_t cells_size;
         unsigned program[4];
     } map;
-    unsigned ways, state, bytes[2]; // scratch: directions of a group, the
-                                    // slice at hand, finished tiles
-    unsigned before;                // `state` as a texture
-    uint64_t state_size, bytes_size[2];
-    unsigned sweep[3], turn; // programs
-    bool borrowed;           // these are another's
+    // Directions that follow the same axis the same way are swept together:
+    // slots from a first one on, a multiple of 4.
+    struct {
+        int first, count;
+    } swept[6];
+    int slots_way[CROSSINGS_WAYS_MAX]; // of block->way
+    unsigned ways, state, bytes;       // scratch: directions of a group, the
+                                       // slice at hand, finished tiles
+    unsigned before;                   // `state` as a texture
+    uint64_t state_size, bytes_size;
+    unsigned sweep[3]; // programs
+    bool borrowed;     // these are another's
     unsigned query[4];
     bool timed;          // the queries hold a sweep that was not read yet
     struct watch *watch; // NULL, or cuts what takes long, which then is false

@@ -8,18 +8,28 @@
 // The uniform block of shadow.glsl, std140.
 struct crossings_block {
     float box[4];     // corner of the grid; 1 / voxel
-    float size[4];    // voxels; the start of a lookup, in voxels
+    float size[4];    // voxels
     float texel[4];   // 1 / atlas size; opacity where there is no array
     float head[4];    // centre; 1 where there is a head
     float inverse[4]; // 1 / radius; reach of rays in cells
     float cells[4];   // of the lists; cells a voxel, along an axis
-    uint32_t all[4];  // ways of all lights
+    uint32_t all[4];  // tiles
     uint32_t light[CROSSINGS_LIGHTS_MAX][4]; // first way, ways; float bits:
                                              // lambda, width of a way's share
     float centre[CROSSINGS_LIGHTS_MAX][4];
-    // direction, light + 1 of its last, else 0; tile's corner, 1 / the light's
-    // ways; direction in units of the head's radii, 1 / width of its share
-    float way[CROSSINGS_WAYS_MAX][3][4];
+    float way[CROSSINGS_WAYS_MAX][4];      // direction, slot
+    float slot[CROSSINGS_WAYS_MAX][4];     // direction in units of the head's
+                                           // radii, 1 / width of its share
+    uint32_t run[CROSSINGS_WAYS_MAX];      // see shadow.glsl: RUN_*
+    float tile[CROSSINGS_WAYS_MAX / 4][4]; // corner, voxels
+};
+
+// What is done after a slot (shadow.glsl has the same numbers).
+enum {
+    CROSSINGS_RUN_END = 256,     // of a run; with a light's row + 1, or of none
+    CROSSINGS_RUN_AGAIN = 512,   // not the light's first
+    CROSSINGS_RUN_SHARED = 1024, // the light has several
+    CROSSINGS_RUN_WAYS = 16      // shift: ways of the light
 };
 
 // --- crossings_grid.c: the hair in voxels
@@ -71,5 +81,10 @@ int crossings_ways_count(const struct crossings_light *l,
                          enum crossings_quality quality);
 void crossings_ways_direction(const struct crossings_light *l, int i, int count,
                               float out[3]);
+// Four directions a tile, of those that are swept together: at most so many
+// tiles.
+int crossings_ways_tiles(int ways);
+// Fills block->all, way and run, swept and slots_way, for stats.lights.
+void crossings_ways_lay(struct crossings *c, const struct crossings_light *l);
 
 #endif

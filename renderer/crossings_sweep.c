@@ -1,7 +1,7 @@
 // crossings_sweep.c - fills the atlas: directions that follow the same axis the
 // same way are swept together, slice after slice from the light's side
 // (shaders/crossings_sweep.comp), into bytes that are then copied to their
-// tiles.
+// tiles, four directions each.
 #include "renderer/crossings_private.h"
 
 #include <math.h>
@@ -22,8 +22,7 @@ enum { X = 0, Y = 1, Z = 2 };
 static const int order[3][3] = {{Y, Z, X}, {X, Z, Y}, {X, Y, Z}};
 
 struct way_std140 {
-    float d[3];
-    uint32_t tile;
+    float d[3], pad;
 };
 
 static bool programs(struct crossings *c, struct error *err)
@@ -35,8 +34,7 @@ static bool programs(struct crossings *c, struct error *err)
         if (!c->sweep[a])
             return false;
     }
-    c->turn = program_compute("crossings_turn.comp", NULL, err);
-    return c->turn != 0;
+    return true;
 }
 
 bool crossings_sweep_init(struct crossings *c, const struct crossings *of,
@@ -44,7 +42,6 @@ bool crossings_sweep_init(struct crossings *c, const struct crossings *of,
 {
     if (of) {
         memcpy(c->sweep, of->sweep, sizeof c->sweep);
-        c->turn = of->turn;
         c->borrowed = true;
     } else if (!programs(c, err)) {
         return false;
@@ -56,11 +53,11 @@ bool crossings_sweep_init(struct crossings *c, const struct crossings *of,
 
 void crossings_sweep_forget(struct crossings *c)
 {
-    const unsigned scratch[] = {c->state, c->bytes[0], c->bytes[1]};
-    gl.DeleteBuffers(3, scratch);
+    const unsigned scratch[] = {c->state, c->bytes};
+    gl.DeleteBuffers(2, scratch);
     gl.DeleteTextures(1, &c->before);
-    c->state = c->bytes[0] = c->bytes[1] = c->before = 0;
-    c->state_size = c->bytes_size[0] = c->bytes_size[1] = 0;
+    c->state = c->bytes = c->before = 0;
+    c->state_size = c->bytes_size = 0;
     c->stats.scratch_bytes = 0;
 }
 
@@ -73,14 +70,16 @@ void crossings_sweep_finish(struct crossings *c)
     for (int a = 0; a < 3; a++)
         if (c->sweep[a])
             program_drop(c->sweep[a]);
-    if (c->turn)
-        program_drop(c->turn);
 }
 
-struct group { // directions that are swept along the same axis, the same way
-    int axis, count;
-    int way[CROSSINGS_WAYS_MAX];
+struct batch { // directions that are swept at once: slots
+    int axis, first, count;
 };
+
+static int tiles_of(const struct batch *b)
+{
+    return (b->count + 3) / 4;
+}
 
 static void grow(unsigned *buffer, uint64_t *size, uint64_t wanted,
                  const char *name)
@@ -100,19 +99,17 @@ static uint64_t state_bytes(const struct crossings *c, int axis)
            2 * 8;
 }
 
-static void send_ways(struct crossings *c, const struct group *g, int begin,
-                      int count)
+static void send_ways(struct crossings *c, const struct batch *b)
 {
     struct way_std140 way[CROSSINGS_WAYS_MAX];
-    const uint32_t words = (uint32_t)(crossings_voxels(c) / 4);
-    for (int i = 0; i < count; i++) {
-        const float *d = c->block->way[g->way[begin + i]][0];
+    const int *o = order[b->axis];
+    for (int i = 0; i < b->count; i++) {
+        const float *d = c->block->way[c->slots_way[b->first + i]];
         for (int k = 0; k < 3; k++)
-            way[i].d[k] = d[order[g->axis][k]];
-        way[i].tile = (uint32_t)i * words;
+            way[i].d[k] = d[o[k]];
     }
-    gl.NamedBufferSubData(c->ways, 0, (GLsizeiptr)((size_t)count * sizeof *way),
-                          way);
+    gl.NamedBufferSubData(c->ways, 0,
+                          (GLsizeiptr)((size_t)b->count * sizeof *way), way);
 }
 
 static void set_sizes(const struct crossings *c, int axis)
@@ -122,14 +119,10 @@ static void set_sizes(const struct crossings *c, int axis)
     const unsigned n[3] = {(unsigned)c->size[X], (unsigned)c->size[Y],
                            (unsigned)c->size[Z]};
     gl.ProgramUniform3ui(program, AT_SIZE, n[o[0]], n[o[1]], n[o[2]]);
-    // x fastest; along x as y, z, x, which crossings_turn.comp puts right
-    const unsigned w = n[X] / 4, v = n[Y] / 4;
-    if (axis == X)
-        gl.ProgramUniform3ui(program, AT_TO, 1, v, v * n[Z]);
-    else if (axis == Y)
-        gl.ProgramUniform3ui(program, AT_TO, 1, w * n[Y], w);
-    else
-        gl.ProgramUniform3ui(program, AT_TO, 1, w, w * n[Y]);
+    // x fastest
+    const unsigned step[3] = {1, n[X], n[X] * n[Y]};
+    gl.ProgramUniform4ui(program, AT_TO, step[o[0]], step[o[1]], step[o[2]],
+                         n[X] * n[Y] * n[Z]);
 }
 
 static void grow_state(struct crossings *c, uint64_t size)
@@ -143,8 +136,9 @@ static void grow_state(struct crossings *c, uint64_t size)
     gl.TextureBuffer(c->before, GL_RG32UI, c->state);
 }
 
-static bool run_slices(struct crossings *c, int axis, int count)
+static bool run_slices(struct crossings *c, const struct batch *b)
 {
+    const int axis = b->axis, count = b->count;
     const uint32_t air[2] = {UINT32_MAX, UINT32_MAX};
     const int *o = order[axis];
     const GLuint groups =
@@ -159,7 +153,7 @@ static bool run_slices(struct crossings *c, int axis, int count)
         gl.BindTextureUnit(i, texture[i]);
     gl.BindBufferBase(GL_UNIFORM_BUFFER, 1, c->ways);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, c->state);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, c->bytes[0]);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, c->bytes);
     gl.ProgramUniform1ui(c->sweep[axis], AT_COUNT, (GLuint)count);
     program_use(c->sweep[axis]);
     for (int turn = 0; turn < c->size[axis]; turn++) {
@@ -173,79 +167,59 @@ static bool run_slices(struct crossings *c, int axis, int count)
     return true;
 }
 
-static void put_right(struct crossings *c, int count)
-{
-    gl.ProgramUniform3ui(c->turn, 0, (GLuint)c->size[X], (GLuint)c->size[Y],
-                         (GLuint)c->size[Z]);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, c->bytes[0]);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, c->bytes[1]);
-    program_use(c->turn);
-    gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    gl.DispatchCompute((GLuint)(c->size[X] / 4 + 7) / 8,
-                       (GLuint)(c->size[Y] / 4 + 7) / 8,
-                       (GLuint)(c->size[Z] * count));
-}
-
 // False where it was cut.
-static bool into_atlas(struct crossings *c, const struct group *g, int begin,
-                       int count)
+static bool into_atlas(struct crossings *c, const struct batch *b)
 {
+    const uint64_t tile = 4 * crossings_voxels(c);
     gl.MemoryBarrier(GL_PIXEL_BUFFER_BARRIER_BIT);
-    gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, c->bytes[g->axis == X]);
-    for (int i = 0; i < count && !watch_cut(c->watch); i++) {
-        const float *at = c->block->way[g->way[begin + i]][1];
-        const uintptr_t from = (uintptr_t)(crossings_voxels(c) * (uint64_t)i);
+    gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, c->bytes);
+    for (int i = 0; i < tiles_of(b) && !watch_cut(c->watch); i++) {
+        const float *at = c->block->tile[b->first / 4 + i];
+        const uintptr_t from = (uintptr_t)(tile * (uint64_t)i);
         gl.TextureSubImage3D(c->atlas, 0, (GLint)at[X], (GLint)at[Y],
                              (GLint)at[Z], c->size[X], c->size[Y], c->size[Z],
-                             GL_RED, GL_UNSIGNED_BYTE, (const void *)from);
+                             GL_RGBA, GL_UNSIGNED_BYTE, (const void *)from);
     }
     gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     return !watch_cut(c->watch);
 }
 
-static bool sweep_group(struct crossings *c, const struct group *g)
+// How many directions at once, whole tiles of them.
+static int most_of(const struct crossings *c, int axis)
 {
     GLint texels = 0;
     gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
     uint64_t most = scratch_most / crossings_voxels(c);
-    const uint64_t held = 8 * (uint64_t)texels / state_bytes(c, g->axis);
+    const uint64_t held = 8 * (uint64_t)texels / state_bytes(c, axis);
     most = most > held ? held : most;
-    most = most < 1 ? 1 : most;
-    set_sizes(c, g->axis);
-    for (int begin = 0; begin < g->count;) {
-        int count = g->count - begin;
-        count = (uint64_t)count > most ? (int)most : count;
-        grow_state(c, state_bytes(c, g->axis) * (uint64_t)count);
-        for (int i = 0; i <= (g->axis == X); i++)
-            grow(&c->bytes[i], &c->bytes_size[i],
-                 crossings_voxels(c) * (uint64_t)count, "crossings tiles");
-        send_ways(c, g, begin, count);
-        if (!run_slices(c, g->axis, count))
+    return most < 4                    ? 4
+           : most > CROSSINGS_WAYS_MAX ? CROSSINGS_WAYS_MAX
+                                       : (int)most / 4 * 4;
+}
+
+static bool sweep_group(struct crossings *c, int group)
+{
+    struct batch b = {.axis = group / 2, .first = c->swept[group].first};
+    const int most = most_of(c, b.axis), end = b.first + c->swept[group].count;
+    set_sizes(c, b.axis);
+    for (; b.first < end; b.first += b.count) {
+        b.count = end - b.first < most ? end - b.first : most;
+        grow_state(c, state_bytes(c, b.axis) * (uint64_t)b.count);
+        grow(&c->bytes, &c->bytes_size,
+             4 * crossings_voxels(c) * (uint64_t)tiles_of(&b),
+             "crossings tiles");
+        send_ways(c, &b);
+        if (!run_slices(c, &b) || !into_atlas(c, &b))
             return false;
-        if (g->axis == X)
-            put_right(c, count);
-        if (!into_atlas(c, g, begin, count))
-            return false;
-        begin += count;
     }
     return true;
 }
 
 bool crossings_sweep_run(struct crossings *c)
 {
-    struct group group[6] = {{.axis = X}, {.axis = X}, {.axis = Y},
-                             {.axis = Y}, {.axis = Z}, {.axis = Z}};
-    for (int i = 0; i < c->stats.ways; i++) {
-        const float *d = c->block->way[i][0];
-        int a = fabsf(d[X]) > fabsf(d[Y]) ? X : Y;
-        a = fabsf(d[Z]) >= fabsf(d[a]) ? Z : a;
-        struct group *g = &group[2 * a + (d[a] > 0)];
-        g->way[g->count++] = i;
-    }
     bool whole = true;
     for (int i = 0; i < 6 && whole; i++)
-        whole = sweep_group(c, &group[i]);
-    c->stats.scratch_bytes =
-        c->state_size + c->bytes_size[0] + c->bytes_size[1];
+        whole = sweep_group(c, i);
+    c->stats.scratch_bytes = c->state_size + c->bytes_size;
     return whole;
 }

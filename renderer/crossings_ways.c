@@ -1,7 +1,9 @@
-// crossings_ways.c - the few directions along which a lobe is looked up.
+// crossings_ways.c - the few directions along which a lobe is looked up, and
+// which slot of which tile has them.
 #include "renderer/crossings_private.h"
 
 #include <math.h>
+#include <string.h>
 
 // Rings of directions, and directions a ring.
 enum { LEVELS = 4 };
@@ -74,4 +76,83 @@ void crossings_ways_direction(const struct crossings_light *l, int i, int count,
     }
     for (int c = 0; c < 3; c++)
         out[c] = (float)(d[c] / sqrt(n));
+}
+
+// --- slots -------------------------------------------------------------------
+
+enum { GROUPS = 6, MOST = 12 }; // directions a light, at most
+
+// Which are swept together: the axis that a direction follows most, and which
+// way.
+static int group_of(const float d[3])
+{
+    int a = fabsf(d[0]) > fabsf(d[1]) ? 0 : 1;
+    a = fabsf(d[2]) >= fabsf(d[a]) ? 2 : a;
+    return 2 * a + (d[a] > 0);
+}
+
+int crossings_ways_tiles(int ways)
+{
+    const int most = (ways + 3 * GROUPS) / 4;
+    return ways < most ? ways : most;
+}
+
+// The directions of light j in the order of their groups.
+static void sort_ways(struct crossings *c, const struct crossings_light *l,
+                      int j)
+{
+    float(*way)[4] = &c->block->way[c->block->light[j][0]], d[MOST][3];
+    const int n = (int)c->block->light[j][1];
+    int k = 0;
+    for (int i = 0; i < n; i++)
+        crossings_ways_direction(l, i, n, d[i]);
+    for (int g = 0; g < GROUPS; g++)
+        for (int i = 0; i < n; i++)
+            if (group_of(d[i]) == g)
+                memcpy(way[k++], d[i], sizeof d[i]);
+}
+
+// Those of light j that are in group g, from slot `at` on: a run.  Returns the
+// slot after it.
+static int put_run(struct crossings *c, int j, int g, int at)
+{
+    struct crossings_block *b = c->block;
+    const int first = (int)b->light[j][0], n = (int)b->light[j][1];
+    int put = 0, before = 0;
+    for (int i = first; i < first + n; i++) {
+        const int of = group_of(b->way[i]);
+        before += of < g;
+        if (of != g)
+            continue;
+        b->way[i][3] = (float)at;
+        c->slots_way[at++] = i;
+        put++;
+    }
+    if (put > 0)
+        b->run[at - 1] = (uint32_t)(j + 1) | CROSSINGS_RUN_END |
+                         (before > 0 ? CROSSINGS_RUN_AGAIN : 0) |
+                         (put < n ? CROSSINGS_RUN_SHARED : 0) |
+                         (uint32_t)n << CROSSINGS_RUN_WAYS;
+    return at;
+}
+
+void crossings_ways_lay(struct crossings *c, const struct crossings_light *l)
+{
+    int at = 0;
+    for (int i = 0; i < CROSSINGS_WAYS_MAX; i++) // of none, until one comes
+        c->block->run[i] = CROSSINGS_RUN_END;
+    for (int j = 0; j < c->stats.lights; j++)
+        sort_ways(c, &l[j], j);
+    for (int g = 0; g < GROUPS; g++) {
+        c->swept[g].first = at;
+        for (int j = 0; j < c->stats.lights; j++) {
+            const int from = at;
+            at = put_run(c, j, g, at);
+            for (int i = from; i < at - 1; i++)
+                c->block->run[i] = 0;
+        }
+        c->swept[g].count = at - c->swept[g].first;
+        at = (at + 3) / 4 * 4;
+    }
+    c->block->all[0] = (uint32_t)at / 4;
 }

@@ -2,7 +2,10 @@
 // One slice of every direction of a group: the number of fibres that light
 // crosses on its way to each voxel, from that of the slice before it on the
 // light's side.  Kept as q = exp(-SHADOW_FALL n), which interpolates better
-// than n, and written as bytes.
+// than n.  What a lookup reads, bytes, four directions a word, is q at the
+// voxel's side towards the light: nearer, the voxel holds the strand itself that
+// is looked up and what is beside it.  So all directions are looked up at the
+// same place.
 //
 // The group's directions share the axis that they follow most, a; b and c are
 // the two across it.  Invocations: four voxels along b, one of c, a few
@@ -10,15 +13,13 @@
 #include "shadow_fall.glsl"
 layout(local_size_x = 64) in;
 layout(location = 0) uniform uvec3 size; // voxels along b, c, a
-layout(location = 1) uniform uvec3 to;   // steps of a tile's words: b, c, a
+layout(location = 1) uniform uvec4 to;   // steps of a tile's words: b, c, a;
+                                         // words of a tile
 layout(location = 2) uniform uint turn;  // slices done before this one
 layout(location = 3) uniform uint count; // directions
 
-struct Way {
-    vec3 d;    // direction towards the light: along b, c, a
-    uint tile; // where its words begin
-};
-layout(std140, binding = 1) uniform Ways { Way ways[1024]; };
+// directions towards the light: along b, c, a
+layout(std140, binding = 1) uniform Ways { vec4 ways[1024]; };
 // rho, rho A_xx, A_yy, A_zz; A_yz, A_zx, A_xy
 layout(binding = 0) uniform sampler3D straight;
 layout(binding = 1) uniform sampler3D crossed;
@@ -60,9 +61,9 @@ vec4 past_of(int entry, int row, bool lower, vec2 part)
     return mix(left, right, part.x) * (1.0 / 65535.0);
 }
 
-void sweep(uvec2 cell, uint n, uint a, vec4 s[4], vec3 x[4])
+uvec4 sweep(uvec2 cell, uint n, vec4 s[4], vec3 x[4])
 {
-    vec3 d = ways[n].d, w = WORLD(d);
+    vec3 d = ways[n].xyz, w = WORLD(d);
     vec3 squares = w * w, products = 2.0 * w.yzx * w.zxy;
 
     // One slice towards the light the line is `shift` further.
@@ -79,13 +80,11 @@ void sweep(uvec2 cell, uint n, uint a, vec4 s[4], vec3 x[4])
     for (int k = 0; k < 4; k++)
         half_step[k] = fall * met(s[k], x[k], squares, products);
     half_step = exp(half_step);
-    vec4 q = past_of(from, row, base.x < 0.0, part) * half_step;
-    uvec4 beyond = uvec4(q * half_step * 65535.0 + 0.5);
+    vec4 past = past_of(from, row, base.x < 0.0, part);
+    uvec4 beyond = uvec4(past * half_step * half_step * 65535.0 + 0.5);
     state[here] = beyond.xz | beyond.yw << 16u;
     // never 0: as many as a byte can say, not infinitely many
-    uvec4 byte = max(uvec4(q * 255.0 + 0.5), uvec4(1u));
-    words[ways[n].tile + (cell.x >> 2u) * to.x + cell.y * to.y + a * to.z] =
-        byte.x | byte.y << 8u | byte.z << 16u | byte.w << 24u;
+    return max(uvec4(past * 255.0 + 0.5), uvec4(1u));
 }
 
 void main()
@@ -97,7 +96,7 @@ void main()
     uvec2 cell = uvec2(4u * (i - c * fours), c);
     // all directions of an invocation go the same way along a
     uint first = gl_WorkGroupID.y * TOGETHER;
-    bool up = ways[first].d.z > 0.0; // the light is where a is large
+    bool up = ways[first].z > 0.0; // the light is where a is large
     uint a = up ? size.z - 1u - turn : turn;
     vec4 s[4];
     vec3 x[4];
@@ -106,6 +105,16 @@ void main()
         s[k] = texelFetch(straight, at, 0);
         x[k] = texelFetch(crossed, at, 0).xyz;
     }
-    for (uint n = first; n < min(first + TOGETHER, count); n++)
-        sweep(cell, n, a, s, x);
+    uint end = min(first + TOGETHER, count);
+    uint at = cell.x * to.x + cell.y * to.y + a * to.z + (first >> 2u) * to.w;
+    uvec4 word = uvec4(0u);
+    for (uint n = first; n < end; n++) {
+        word |= sweep(cell, n, s, x) << (8u * (n & 3u));
+        if ((n & 3u) == 3u || n + 1u == end) {
+            for (uint k = 0u; k < 4u; k++)
+                words[at + k * to.x] = word[k];
+            at += to.w;
+            word = uvec4(0u);
+        }
+    }
 }

@@ -2,7 +2,7 @@
 // does it.  Who shades reads them as texels, which costs a CPU renderer a third
 // of a load from a storage buffer.
 #ifdef NODES_WRITTEN
-layout(std430, binding = 15) writeonly buffer Nodes { uvec2 nodes[]; };
+layout(std430, binding = 15) buffer Nodes { uvec2 nodes[]; };
 #else
 layout(binding = 17) uniform usamplerBuffer nodes;
 #endif

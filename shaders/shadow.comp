@@ -21,6 +21,22 @@ layout(location = 5) uniform uint from; // of these places, by this dispatch
 layout(location = 3) uniform uint rays;
 #endif
 
+#ifndef EACH
+// A slot more in the sum of its run, which is kept where it ends.
+vec4 add_slot(ShadowPlace s, uint slot, float q, uint run, vec4 sum, uint i)
+{
+    sum += shadow_slot_nodes(s, slot, q);
+    if ((run & RUN_ROW) != 0u) {
+        uint at = ((run & RUN_ROW) - 1u) * nodes_stride + i;
+        uvec2 bits = shadow_run_bits(sum, run);
+        if ((run & RUN_AGAIN) != 0u)
+            bits += nodes[at];
+        nodes[at] = bits;
+    }
+    return (run & RUN_END) != 0u ? vec4(0.0) : sum;
+}
+#endif
+
 void main()
 {
     uint row = gl_NumWorkGroups.x * 64u;
@@ -48,14 +64,13 @@ void main()
 #else
     ShadowPlace s = shadow_place(c.p);
     vec4 sum = vec4(0.0);
-    for (uint k = 0u; k < shadow_all.x; k++) {
-        sum += shadow_along(s, k);
-        float last = shadow_way[3u * k].w;
-        if (last > 0.0) {
-            nodes[(uint(last) - 1u) * nodes_stride + i] =
-                shadow_pack(sum * shadow_way[3u * k + 1u].w);
-            sum = vec4(0.0);
-        }
+    for (uint t = 0u; t < shadow_all.x; t++) {
+        vec4 q = shadow_read(s.g, t);
+        uvec4 run = shadow_run[t];
+        sum = add_slot(s, 4u * t, q.x, run.x, sum, i);
+        sum = add_slot(s, 4u * t + 1u, q.y, run.y, sum, i);
+        sum = add_slot(s, 4u * t + 2u, q.z, run.z, sum, i);
+        sum = add_slot(s, 4u * t + 3u, q.w, run.w, sum, i);
     }
 #endif
 }

@@ -21,18 +21,27 @@
 const uint SHADOW_LIGHTS = 200u, SHADOW_WAYS = 1024u;
 layout(std140, binding = 5) uniform Crossings {
     vec4 shadow_box;     // corner of the grid; 1 / voxel
-    vec4 shadow_size;    // voxels; the start of a lookup, in voxels
+    vec4 shadow_size;    // voxels
     vec4 shadow_texel;   // 1 / atlas size; opacity of all strands
     vec4 shadow_head;    // centre; w = 1 where there is a head
     vec4 shadow_inverse; // 1 / the head's radii; reach of rays, cells
     vec4 shadow_cells;   // of the lists of fibres; cells a voxel
-    uvec4 shadow_all;    // ways of all lights
+    uvec4 shadow_all;    // tiles of all lights
     uvec4 shadow_light[SHADOW_LIGHTS]; // first way, ways; lambda, a way's width
     vec4 shadow_centre[SHADOW_LIGHTS]; // of the lobe
-    // direction, its light + 1 if it is the light's last; the tile's corner,
-    // the light's 1 / ways; direction as the head sees it, 1 / a way's width
-    vec4 shadow_way[3u * SHADOW_WAYS];
+    vec4 shadow_way[SHADOW_WAYS];      // direction; its slot
+    // Four slots a tile, one a channel: direction as the head sees it, 1 / the
+    // way's width
+    vec4 shadow_slot[SHADOW_WAYS];
+    uvec4 shadow_run[SHADOW_WAYS / 4u]; // what to do after a slot, see below
+    vec4 shadow_tile[SHADOW_WAYS / 4u]; // its corner, voxels
 };
+// After a slot: nothing, or a run of ways of one light ends here (or of none:
+// slots that no way has), which are summed into row - 1; where it is not the
+// light's first, its bits are added.  Where there are several, each is rounded
+// down (see shadow_run_bits).
+const uint RUN_ROW = 255u, RUN_END = 256u, RUN_AGAIN = 512u, RUN_SHARED = 1024u;
+const uint RUN_WAYS = 16u; // shift: of the light
 layout(binding = 8) uniform sampler3D shadow_atlas;
 
 // A place as the grid sees it (voxels) and as the head does (from its centre,
@@ -66,13 +75,13 @@ float shadow_past_head(ShadowPlace s, vec3 d, float narrow)
     return shadow_head.w > 0.0 ? open : 1.0;
 }
 
-// exp(-SHADOW_FALL n) along a way from g, in voxels.
-float shadow_far(vec3 g, uint way)
+// What a tile's channels hold at g, in voxels: exp(-SHADOW_FALL n) along the
+// four slots' ways, from the voxel's side on (crossings_sweep.comp).
+vec4 shadow_read(vec3 g, uint tile)
 {
     vec3 t = clamp(g, vec3(0.5), shadow_size.xyz - 0.5);
     return textureLod(shadow_atlas,
-                      (t + shadow_way[3u * way + 1u].xyz) * shadow_texel.xyz,
-                      0.0).r;
+                      (t + shadow_tile[tile].xyz) * shadow_texel.xyz, 0.0);
 }
 
 // The nodes of one way: powers of q = exp(-SHADOW_FALL n).
@@ -82,9 +91,24 @@ vec4 shadow_powers(float q)
     return vec4(q2 * q2 * q, q * root, sqrt(root), 1.0);
 }
 
+uvec2 shadow_pack_by(vec4 g, float up)
+{
+    uvec4 bits = uvec4(clamp(g, 0.0, 1.0) * 65535.0 + up);
+    return bits.xz | bits.yw << 16u;
+}
+
 uvec2 shadow_pack(vec4 g)
 {
-    return uvec2(packUnorm2x16(g.xy), packUnorm2x16(g.zw));
+    return shadow_pack_by(g, 0.5);
+}
+
+// The bits of a run.  A light's ways may be in six tiles, whose bits are added
+// without a carry into the neighbour: six times up to an eighth is less than 1.
+uvec2 shadow_run_bits(vec4 sum, uint run)
+{
+    float share = 1.0 / float(run >> RUN_WAYS);
+    return shadow_pack_by(sum * share,
+                          (run & RUN_SHARED) != 0u ? 0.125 : 0.5);
 }
 
 vec4 shadow_unpack(uvec2 bits)
@@ -92,21 +116,32 @@ vec4 shadow_unpack(uvec2 bits)
     return vec4(unpackUnorm2x16(bits.x), unpackUnorm2x16(bits.y));
 }
 
-// The nodes of one way of a light.
-vec4 shadow_along(ShadowPlace s, uint way)
+// The nodes of the way in a slot of which q is known.
+vec4 shadow_slot_nodes(ShadowPlace s, uint slot, float q)
 {
-    vec4 h = shadow_way[3u * way + 2u];
-    float q = shadow_far(s.g + shadow_size.w * shadow_way[3u * way].xyz, way);
+    vec4 h = shadow_slot[slot];
     return shadow_past_head(s, h.xyz, h.w) * shadow_powers(q);
 }
 
-vec4 shadow_smooth(ShadowPlace s, uint light)
+vec4 shadow_along(ShadowPlace s, uint slot)
+{
+    return shadow_slot_nodes(s, slot, shadow_read(s.g, slot >> 2u)[slot & 3u]);
+}
+
+// The very bits that shadow.comp makes of all lights at once.
+uvec2 shadow_smooth(ShadowPlace s, uint light)
 {
     uvec4 l = shadow_light[light];
     vec4 sum = vec4(0.0);
-    for (uint k = l.x; k < l.x + l.y; k++)
-        sum += shadow_along(s, k);
-    return sum * shadow_way[3u * l.x + 1u].w;
+    uvec2 bits = uvec2(0u);
+    for (uint k = l.x; k < l.x + l.y; k++) {
+        uint slot = uint(shadow_way[k].w);
+        uint run = shadow_run[slot >> 2u][slot & 3u];
+        sum += shadow_along(s, slot);
+        bits += (run & RUN_END) != 0u ? shadow_run_bits(sum, run) : uvec2(0u);
+        sum = (run & RUN_END) != 0u ? vec4(0.0) : sum;
+    }
+    return bits;
 }
 
 #ifdef SHADOW_MAP
@@ -118,7 +153,7 @@ uvec2 shadow_nodes(uint light, vec3 p, vec3 u, uint segment, uint key)
 #ifdef SHADOW_MAP
     return shadow_pack(shadow_mapped(light, p, shadow_place(p)));
 #else
-    return shadow_pack(shadow_smooth(shadow_place(p), light));
+    return shadow_smooth(shadow_place(p), light);
 #endif
 }
 
@@ -174,19 +209,24 @@ uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
         float best = -2.0;
         uint way = l.x;
         for (uint k = l.x; k < l.x + l.y; k++) {
-            float c = dot(w, shadow_way[3u * k].xyz);
+            float c = dot(w, shadow_way[k].xyz);
             way = c > best ? k : way;
             best = max(best, c);
         }
-        vec3 d = normalize(w * shadow_inverse.xyz);
-        float open = shadow_past_head(s, d, narrow);
+        float open =
+            shadow_past_head(s, normalize(w * shadow_inverse.xyz), narrow);
         float end = reach; // how far fibres were met, in cells
         vec3 near = shadow_near(p, s.g * shadow_cells.w, w, strand, end);
-        float q = shadow_far(s.g + (end / shadow_cells.w) * w, way);
+        uint slot = uint(shadow_way[way].w);
+        vec3 d = shadow_way[way].xyz, a = abs(d);
+        // what is read begins half a voxel's side further along the way
+        vec3 g = s.g + (end / shadow_cells.w) * w -
+                 d * (0.5 / max(a.x, max(a.y, a.z)));
+        float q = shadow_read(g, slot >> 2u)[slot & 3u];
         sum += open * vec4(near, 1.0) * shadow_powers(q);
-        sum -= shadow_along(s, way);
+        sum -= shadow_along(s, slot);
     }
-    vec4 mean = shadow_smooth(s, light) +
+    vec4 mean = shadow_unpack(shadow_smooth(s, light)) +
                 sum / (float(max(rays, 1u)) + SHADOW_DOUBT * lambda);
     mean.w = clamp(mean.w, 0.0, 1.0);
     mean.z = clamp(mean.z, 0.0, mean.w);

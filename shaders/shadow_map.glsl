@@ -46,14 +46,16 @@ float shadow_map_crossings(uint j, vec3 p, vec2 spread, float least)
 }
 
 // T~ by the kernel of the lobe, exp of the mean; T_f along the light's centre
-// from the sparse samples (shadow_far).
+// from the sparse samples.
 vec4 shadow_mapped(uint j, vec3 p, ShadowPlace s)
 {
     uvec4 l = shadow_light[j];
     float n = shadow_map_crossings(j, p, shadow_frame[4u * j + 3u].xy, 0.5);
-    vec4 h = shadow_way[3u * l.x + 2u];
+    uint slot = uint(shadow_way[l.x].w);
+    vec4 h = shadow_slot[slot];
     float open = shadow_past_head(s, h.xyz, h.w);
-    vec4 forward = shadow_powers(shadow_far(s.g, l.x));
+    float q = shadow_read(s.g, slot >> 2u)[slot & 3u];
+    vec4 forward = shadow_powers(q);
     forward.x = exp(-n);
     forward.yz = max(forward.yz, forward.x);
     return open * forward;

@@ -113,8 +113,9 @@ static double expected(const struct scene *s, double rho, const float p[3],
                        const float d[3])
 {
     const double z = (double)d[2];
-    const double start =
-        (double)s->crossings.block->size[3] * (double)s->crossings.voxel;
+    // a lookup begins at the voxel's side
+    const double a = fmax(fabs((double)d[0]), fabs((double)d[1]));
+    const double start = 0.5 * (double)s->crossings.voxel / fmax(a, fabs(z));
     return rho * sqrt(1 - z * z) * fmax(0, way_out(p, d) - start);
 }
 
