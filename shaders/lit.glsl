@@ -73,7 +73,8 @@ vec4 lit_bytes(uint bits)
 #ifdef GUARDS
 bool lit_beyond(vec3 at, vec3 size)
 {
-    return any(lessThan(at, vec3(-1e-3))) || any(greaterThan(at, size + 1e-3));
+    return any(lessThan(at, vec3(-1e-3))) || at.x >= size.x ||
+           any(greaterThan(at.yz, size.yz + 1e-3));
 }
 
 // Has the middle of a cell, counted from 0, no theta_j?

@@ -22,7 +22,7 @@ layout(location = 0) uniform uint count;
 layout(std430, binding = 0) readonly buffer Cases { float cases[]; };
 layout(std430, binding = 1) writeonly buffer Results { float results[]; };
 #ifdef GUARDS
-layout(std430, binding = 2) writeonly buffer Hits { uint hits[]; };
+layout(std430, binding = 2) buffer Hits { uint hits[]; };
 #endif
 const uint IN = 7u, OUT = 26u, NEAR_AT = 12u, FAR_AT = 15u, NEAR_SIZE = 19u,
            FAR_SIZE = 22u;
@@ -53,21 +53,6 @@ float view_size(float row, float many)
 {
     return lit_theta_o((row + 1.0) / many) - lit_theta_o(row / many);
 }
-
-// Nothing counts where no lobe sends a thousandth of its most.
-#ifdef GUARDS
-bool lit_live(Fibre f, float s, vec3 width)
-{
-    vec3 away = 2.0 * f.alpha - s;
-    vec3 one = exp(-away * away / (8.0 * f.beta * f.beta + width.x * width.x));
-    vec3 two = exp(-away * away / (8.0 * f.beta * f.beta + width.y * width.y));
-    vec3 three = exp(-away * away / (8.0 * f.beta * f.beta + width.z * width.z));
-    return any(greaterThan(min(one, min(two, three)), vec3(1e-3)));
-}
-#define LIT_LIVE(f, s, width) GUARD_LIVE(lit_live(f, s, width))
-#else
-#define LIT_LIVE(f, s, width)
-#endif
 
 vec3 near_modes(Fibre f, Srbf l, float theta_o, float across)
 {
@@ -120,6 +105,55 @@ vec3 far_cells(uint to, float theta_j, float theta_o, float across, vec3 sigma)
 }
 #endif
 
+#ifdef GUARDS
+float total(vec3 v) { return v.r + v.g + v.b; }
+
+// Nothing counts where less than a hundredth arrives of what the light sends to
+// this view from the centre of one lobe or another.  What modes noted is
+// forgotten.
+void count_cells(Fibre f, Srbf l, float theta_o, vec3 sigma, bool far, vec3 here)
+{
+    float most = 0.0;
+    for (int i = 0; i < 9; i++) {
+        Srbf at = Srbf(clamp(2.0 * f.alpha[i / 3] - theta_o, -1.57, 1.57), 0.0,
+                       l.lambda);
+        float across = 0.5 * float(i % 3);
+#ifdef WITH_MULTIPLE
+        vec3 sum = far ? far_modes(f, at.theta, theta_o, across, sigma)
+                       : near_modes(f, at, theta_o, across);
+#else
+        vec3 sum = near_modes(f, at, theta_o, across);
+#endif
+        most = max(most, total(sum));
+    }
+    for (int k = 0; k < GUARD_WORDS; k++)
+        guard_bits[k] = 0u;
+    GUARD_LIVE(total(here) > 0.01 * most);
+}
+#define COUNT_CELLS(f, l, theta_o, sigma, far, here)                           \
+    count_cells(f, l, theta_o, sigma, far, here)
+#else
+#define COUNT_CELLS(f, l, theta_o, sigma, far, here)
+#endif
+
+// What was noted since.
+void keep_hits(uint i, bool first)
+{
+#ifdef GUARDS
+    for (uint k = 0u; k < uint(GUARD_WORDS); k++)
+        hits[uint(GUARD_WORDS) * i + k] =
+            guard_bits[k] | (first ? 0u : hits[uint(GUARD_WORDS) * i + k]);
+#endif
+}
+
+void forget_hits(uint i)
+{
+#ifdef GUARDS
+    for (uint k = 0u; k < uint(GUARD_WORDS); k++)
+        hits[uint(GUARD_WORDS) * i + k] = 0u;
+#endif
+}
+
 void main()
 {
     uint i = gl_GlobalInvocationID.x;
@@ -130,19 +164,25 @@ void main()
     Srbf l = Srbf(cases[at + 1u], 0.0, uintBitsToFloat(light.w));
     float across = xu_across(cases[at + 2u]), theta_o = cases[at + 3u];
     Fibre f = fibre_here();
-    bool tabled = light.y > 0u;
-    vec3 near = vec3(0.0);
-    LIT_LIVE(f, theta_o + l.theta, vec3(l.lambda));
-    if (tabled) {
+    vec3 near = near_modes(f, l, theta_o, across);
+    store(to + 6u, near);
+    if (light.y > 0u) {
+        COUNT_CELLS(f, l, theta_o, vec3(1.0), false, near);
         near = near_cells(to, light, l, theta_o, across);
+        keep_hits(i, true);
     } else {
         store(to + NEAR_AT, vec3(-1.0));
         store(to + NEAR_SIZE, vec3(0.0));
+        forget_hits(i);
     }
+    store(to, near);
 #ifdef WITH_MULTIPLE
     vec3 sigma = vec3(cases[at + 4u], cases[at + 5u], cases[at + 6u]);
-    LIT_LIVE(f, theta_o + l.theta, sigma);
+    vec3 far = far_modes(f, l.theta, theta_o, across, sigma);
+    store(to + 9u, far);
+    COUNT_CELLS(f, l, theta_o, sigma, true, far);
     store(to + 3u, far_cells(to, l.theta, theta_o, across, sigma));
+    keep_hits(i, false);
 #else
     for (uint k = FAR_AT; k < FAR_AT + 4u; k++) {
         results[to + k] = -1.0;
@@ -150,15 +190,5 @@ void main()
     }
     store(to + 3u, vec3(0.0));
     store(to + 9u, vec3(0.0));
-#endif
-#ifdef GUARDS
-    for (uint k = 0u; k < uint(GUARD_WORDS); k++)
-        hits[uint(GUARD_WORDS) * i + k] = guard_bits[k];
-#endif
-    vec3 modes = near_modes(f, l, theta_o, across);
-    store(to, tabled ? near : modes);
-    store(to + 6u, modes);
-#ifdef WITH_MULTIPLE
-    store(to + 9u, far_modes(f, l.theta, theta_o, across, sigma));
 #endif
 }

@@ -7,17 +7,19 @@
 #include "renderer/egl.h"
 #include "tests/check.h"
 #include "tests/extremes/frames.h"
+#include "tests/extremes/lit_sweep.h"
 #include "tests/extremes/multiple.h"
 #include "tests/extremes/single.h"
 #include "tests/extremes/shadows.h"
 #include "tests/extremes/switches_dual.h"
 
 enum {
-    SWEEP = 12000, // vectors a region and way: 228,000
+    SWEEP = 12000, // vectors a region and way: 240,000
     TRUTH = 277,   // through brute force a region, and
     TRUTH_FLAT = 14,
-    FIBRES = 53, // times 50 vectors a region and scheme: 50,350
+    FIBRES = 53, // times 50 vectors a region and scheme: 53,000
     TRUTH_FIBRES = 4,
+    LIT_FIBRES = 53, // times 160 vectors a region: 169,600
     JUMPS = 300,
     JUMPS_DUAL = 60,
     FRAMES = 200,
@@ -210,6 +212,71 @@ static void put_multiple(FILE *out)
     }
 }
 
+// --- tables of each light
+// -----------------------------------------------------
+static void put_lit_row(FILE *out, enum vectors_region r,
+                        struct lit_sweep_law *law)
+{
+    fprintf(out, "| %s | %ld | %.1f %% | %.3f | %.3f | %.2f %%",
+            vectors_regions[r].name, law->vectors,
+            100.0 * (double)law->narrow / (double)law->vectors, law->top[0],
+            law->top[1], 100.0 * (double)law->guarded / (double)law->vectors);
+    put_quantiles(out, &law->error);
+    fprintf(out, " |\n");
+    fflush(out);
+}
+
+static void put_lit_guards(FILE *out,
+                           const struct lit_sweep_law law[VECTORS_REGIONS])
+{
+    fprintf(out, "\n| guard | %% of a region's vectors |\n|---|---|\n");
+    for (int g = 0; g < GUARDS_MAX; g++) {
+        const char *comma = " ";
+        if (strncmp(guards[g].name, "LIT_", 4) != 0)
+            continue;
+        fprintf(out, "| %s: %s |", guards[g].name, guards[g].what);
+        for (int r = 0; r < VECTORS_REGIONS; r++)
+            if (law[r].hits[g]) {
+                fprintf(out, "%s%s %.2f", comma, vectors_regions[r].name,
+                        100.0 * (double)law[r].hits[g] /
+                            (double)law[r].vectors);
+                comma = ", ";
+            }
+        fprintf(out, "%s |\n", *comma == ' ' ? " none" : "");
+    }
+}
+
+static void put_lit(FILE *out)
+{
+    static struct lit_sweep_law law[VECTORS_REGIONS];
+    fprintf(
+        out,
+        "\n## Tables of each light: %d fibres a region\n\nWhat draws the "
+        "default picture (docs/METHODS.md, 1.6.1), cells and all: %d "
+        "lights a\nfibre, %d vectors; fibres that tables do not hold for "
+        "are left out. `no table`: the\nlight is too narrow for one. `top`: "
+        "a cell is a parabola of its neighbours, so what it\ngives is "
+        "compared with what the light sends at most, wherever it stands. "
+        "Guards count\nwhere more than a hundredth of the brightest "
+        "arrives; `its guarded`: median and p99 of\nwhat such a vector is "
+        "off the tables of modes, of which cells are made. Not all\nmay "
+        "be none: a cell's slope has a byte, in which 2 values a cell are "
+        "the most.\n\n",
+        LIT_FIBRES, LIT_SWEEP_LIGHTS, LIT_SWEEP_VECTORS);
+    put_head(out, "region",
+             " | vectors | no table | directly: top | forward: top | guarded | "
+             "its guarded",
+             6);
+    for (enum vectors_region r = 0; r < VECTORS_REGIONS; r++) {
+        law[r] = lit_sweep(r, LIT_FIBRES);
+        bad += law[r].bad;
+        put_lit_row(out, r, &law[r]);
+        cases_finish(&law[r].error);
+    }
+    put_lit_guards(out, law);
+    lit_sweep_close();
+}
+
 // --- guards -----------------------------------------------------------------
 static void put_hits(FILE *out, int way, int g)
 {
@@ -385,6 +452,7 @@ int main(int argc, char **argv)
     put_laws(out);
     put_truth(out);
     put_multiple(out);
+    put_lit(out);
     put_guards(out);
     put_switches(out);
     put_switches_dual(out);
