@@ -9,7 +9,7 @@
 #include "renderer/gl.h"
 #include "renderer/program.h"
 
-enum { ROWS = 8 }; // display.comp
+enum { COLUMNS = 64, ROWS = 16, KEPT_BINDING = 12 }; // display.comp
 
 void display_init(struct display *d)
 {
@@ -24,6 +24,9 @@ static void drop_pixels(struct display *d)
     d->pixels = 0;
     d->mapped = NULL;
     d->size = 0;
+    gl.DeleteBuffers(1, &d->kept);
+    d->kept = 0;
+    d->kept_bytes = 0;
 }
 
 void display_forget_sky(struct display *d)
@@ -103,6 +106,56 @@ static void upload_sky(struct display *d, const struct sky_map *map)
     d->sky_of = map;
 }
 
+static void copy3(float to[3], const float from[3])
+{
+    memcpy(to, from, 3 * sizeof *to);
+}
+
+static struct display_head head_of(const struct params *p,
+                                   const struct display_input *in)
+{
+    const struct camera *c = in->camera;
+    struct display_head h = {.lights = in->lights->made,
+                             .width = p->image.width,
+                             .height = p->image.height,
+                             .tan_half = c->tan_half};
+    copy3(h.eye, c->eye);
+    copy3(h.right, c->right);
+    copy3(h.up, c->up);
+    copy3(h.forward, c->forward);
+    copy3(h.centre, in->strands->head_centre);
+    copy3(h.radius, in->strands->head_radius);
+    return h;
+}
+
+// What the lights make of the head is kept while nothing of that changes: it
+// would cost as much as all the rest.  A pixel's has a stamp, for more of them
+// are seen with every sample.
+static void keep_head(struct display *d, const struct params *p,
+                      const struct display_input *in)
+{
+    const struct display_head h = head_of(p, in);
+    const uint32_t zero = 0;
+    const bool shown = p->view.head && in->strands->has_head;
+    const uint64_t bytes = shown ? 4 * (uint64_t)d->size : 16;
+    if (d->kept_bytes < bytes) {
+        gl.DeleteBuffers(1, &d->kept);
+        d->kept = gl_buffer(bytes, NULL, "light on the head");
+        d->kept_bytes = bytes;
+        gl.ClearNamedBufferData(d->kept, GL_R32UI, GL_RED_INTEGER,
+                                GL_UNSIGNED_INT, &zero);
+    }
+    if (d->stamp == 0 || memcmp(&h, &d->head, sizeof h) != 0)
+        d->stamp++;
+    d->head = h;
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, KEPT_BINDING, d->kept);
+}
+
+static GLuint groups(int n, int of)
+{
+    return ((GLuint)n + (GLuint)of - 1) / (GLuint)of;
+}
+
 bool display_draw(struct display *d, const struct params *p,
                   const struct display_input *in, struct error *err)
 {
@@ -114,17 +167,26 @@ bool display_draw(struct display *d, const struct params *p,
         gl.BindTextureUnit(0, d->sky);
     }
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 11, d->pixels);
-    gl.UseProgram(d->program[background]);
+    keep_head(d, p, in);
+    const unsigned program = d->program[background];
+    gl.UseProgram(program);
     const float share = in->samples > 0 ? 1 / (float)in->samples : 0;
-    const float *t = in->tint;
-    gl.ProgramUniform4f(d->program[background], 0, share * t[0], share * t[1],
-                        share * t[2], share);
-    gl.ProgramUniform4f(d->program[background], 1, t[0], t[1], t[2],
-                        exp2f(p->view.exposure));
-    gl.DispatchCompute(((GLuint)p->image.width + 63) / 64,
-                       ((GLuint)p->image.height + ROWS - 1) / ROWS, 1);
-    gl.MemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+    const float *t = in->lights->tint;
+    gl.ProgramUniform4f(program, 0, share * t[0], share * t[1], share * t[2],
+                        share);
+    gl.ProgramUniform4f(program, 1, t[0], t[1], t[2], exp2f(p->view.exposure));
+    gl.ProgramUniform1ui(program, 2, d->stamp);
+    gl.DispatchCompute(groups(p->image.width, COLUMNS),
+                       GL_SPREAD * groups(p->image.height, GL_SPREAD * ROWS),
+                       1);
+    gl.MemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT |
+                     GL_SHADER_STORAGE_BARRIER_BIT);
     return true;
+}
+
+uint64_t display_bytes(const struct display *d)
+{
+    return d->size + d->kept_bytes;
 }
 
 void display_read(const struct display *d, struct buf *out)

@@ -10,13 +10,28 @@
 #include "protocol/bytes.h"
 #include "protocol/error.h"
 #include "protocol/params.h"
+#include "renderer/camera.h"
+#include "renderer/lights.h"
 #include "renderer/sky.h"
+#include "renderer/strands.h"
+
+// All that the light on a pixel's head depends on.
+struct display_head {
+    unsigned lights; // lights.h: made
+    int width, height;
+    float eye[3], right[3], up[3], forward[3], tan_half;
+    float centre[3], radius[3];
+};
 
 struct display {
     unsigned program[3]; // by view.background's words; compiled when asked for
     unsigned pixels;     // buffer, RGBA8
     void *mapped;        // the same, for reading
     size_t size;
+    unsigned kept; // buffer: the lights on the head, pixel by pixel
+    uint64_t kept_bytes;
+    unsigned stamp; // ... of those that are of `head`
+    struct display_head head;
     unsigned sky;       // texture, uploaded when it is to be seen
     const void *sky_of; // the map it was made from
 };
@@ -27,13 +42,16 @@ void display_forget_sky(struct display *d);
 
 struct display_input {
     const struct sky_map *map;
-    int samples;       // in the sums
-    const float *tint; // 3: what sums and lights have yet to be multiplied by
+    int samples;                 // in the sums
+    const struct lights *lights; // their tint is not in the sums yet
+    const struct camera *camera;
+    const struct strands *strands; // whose head
 };
 // Draws picture_*'s sums (already bound to 9 and 10).  The caller's scene,
 // parameter and light blocks are bound.
 bool display_draw(struct display *d, const struct params *p,
                   const struct display_input *in, struct error *err);
+uint64_t display_bytes(const struct display *d); // on the device, but the sky
 // After the GPU is done.
 void display_read(const struct display *d, struct buf *out);
 

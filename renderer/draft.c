@@ -35,7 +35,8 @@ uint64_t draft_bytes(const struct draft *d)
     for (int i = 0; i < RENDERER_DRAFT_VIEWS; i++) {
         const struct draft_view *v = &d->view[i];
         sum += v->picture.target_bytes + v->picture.cache_bytes +
-               v->display.size + v->nodes.first.bytes + v->nodes.rest.bytes;
+               display_bytes(&v->display) + v->nodes.first.bytes +
+               v->nodes.rest.bytes;
     }
     return sum;
 }

@@ -75,3 +75,9 @@ void gl_dispatch(uint64_t n)
         (GLuint)(groups < GL_ROW_GROUPS ? groups : GL_ROW_GROUPS), (GLuint)rows,
         1);
 }
+
+void gl_dispatch_spread(uint64_t pieces)
+{
+    const uint64_t n = (pieces + GL_SPREAD - 1) / GL_SPREAD * GL_SPREAD;
+    gl_dispatch(64 * n);
+}

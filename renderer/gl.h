@@ -128,6 +128,10 @@ unsigned gl_buffer(uint64_t bytes, const void *data, const char *name);
 // gl_GlobalInvocationID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x * 64.
 enum { GL_ROW_GROUPS = 32768 }; // count.comp has it too
 void gl_dispatch(uint64_t n);
+// As many groups of 64 as there are pieces, or a few more
+// (shaders/spread.glsl).
+enum { GL_SPREAD = 8 };
+void gl_dispatch_spread(uint64_t pieces);
 // At least n, for a buffer that a texture looks into.  Mesa's llvmpipe makes
 // machine code once more where such a size is a power of two, or where its bits
 // 8 to 15 are zero (which it takes for a count of mip levels): none is ever so.

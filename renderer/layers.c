@@ -48,9 +48,7 @@ void layers_bind(const struct layers *l, int i)
 void layers_add(const struct layers *l, const struct picture *p)
 {
     gl.UseProgram(l->add);
-    gl_dispatch((uint64_t)p->width * (uint64_t)p->height);
-    gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT |
-                     GL_BUFFER_UPDATE_BARRIER_BIT);
+    picture_dispatch_add(p);
 }
 
 void layers_read(const struct layers *l, int i, const struct picture *p,

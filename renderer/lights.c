@@ -2,8 +2,10 @@
 #include "renderer/lights.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "protocol/bytes.h"
 #include "renderer/gl.h"
 
 struct light_std140 {
@@ -14,15 +16,19 @@ struct block_std140 {
     uint32_t count, pad[3];
 };
 
+static _Atomic unsigned numbers;
+
 void lights_init(struct lights *l)
 {
     memset(l, 0, sizeof *l);
+    l->content = bytes_zalloc(1, sizeof(struct block_std140));
     l->block = gl_buffer(sizeof(struct block_std140), NULL, "lights");
 }
 
 void lights_finish(struct lights *l)
 {
     gl.DeleteBuffers(1, &l->block);
+    free(l->content);
     memset(l, 0, sizeof *l);
 }
 
@@ -180,5 +186,9 @@ void lights_tint(struct lights *l, const struct sky_fit *fit,
                                   sun[j - sky].colour[c]);
     }
     block.count = (uint32_t)l->used;
+    if (l->made > 0 && memcmp(&block, l->content, sizeof block) == 0)
+        return;
+    memcpy(l->content, &block, sizeof block);
     gl.NamedBufferSubData(l->block, 0, sizeof block, &block);
+    l->made = ++numbers;
 }

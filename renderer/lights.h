@@ -26,6 +26,8 @@ struct lights_place {
 
 struct lights {
     unsigned block; // uniform buffer
+    unsigned made;  // its number: no other content of any such block has it
+    void *content;  // what is in it
     struct lights_place place[LIGHTS_MAX];
     int used, fitted, suns; // used: sky lights and suns; suns come last
     double dropped_share;   // of the sky's light, mean over channels
@@ -54,7 +56,7 @@ bool lights_put(struct lights *l, const struct sky_fit *fit,
                 const struct params *p);
 // How bright they are: the fit's radiances times tint.*, the suns' colours.
 // apart: the sky's tint is kept apart, as the factor `tint`, which is one
-// otherwise.  Uploads the block.  After lights_put.
+// otherwise.  Uploads the block where it is another.  After lights_put.
 void lights_tint(struct lights *l, const struct sky_fit *fit,
                  const struct params *p, bool apart);
 

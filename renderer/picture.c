@@ -32,10 +32,10 @@ bool picture_init(struct picture *p, struct error *err)
 static void drop_targets(struct picture *p)
 {
     const unsigned buffers[] = {p->keys, p->radiance, p->list, p->counts,
-                                p->map,  p->sum,      p->head};
+                                p->map,  p->sum,      p->saw};
     gl.DeleteBuffers(7, buffers);
     picture_gl_drop(&p->target);
-    p->keys = p->radiance = p->list = p->counts = p->map = p->sum = p->head = 0;
+    p->keys = p->radiance = p->list = p->counts = p->map = p->sum = p->saw = 0;
     p->width = p->height = 0;
 }
 
@@ -55,6 +55,13 @@ static unsigned buffer(size_t bytes, const char *name, uint64_t *total)
 {
     *total += bytes;
     return gl_buffer(bytes, NULL, name);
+}
+
+static void clear(unsigned buffer)
+{
+    const uint32_t zero = 0;
+    gl.ClearNamedBufferData(buffer, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT,
+                            &zero);
 }
 
 static uint64_t power_of_two(uint64_t n)
@@ -106,7 +113,9 @@ static bool cell_store(struct picture *p, const struct params *params,
     p->map = buffer(4 * pixels * (uint64_t)(p->maps + 1), "cell maps",
                     &p->cache_bytes);
     p->sum = buffer(16 * pixels, "sample sum", &p->target_bytes);
-    p->head = buffer(4 * pixels, "head sum", &p->target_bytes);
+    p->saw = buffer(4 * pixels, "hair and head seen", &p->target_bytes);
+    clear(p->saw);
+    clear(p->sum); // as seen.glsl has it
     return true;
 }
 
@@ -127,11 +136,8 @@ bool picture_resize(struct picture *p, const struct params *params,
 
 void picture_forget(struct picture *p)
 {
-    const uint32_t zero = 0;
-    gl.ClearNamedBufferData(p->keys, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT,
-                            &zero);
-    gl.ClearNamedBufferData(p->counts, GL_R32UI, GL_RED_INTEGER,
-                            GL_UNSIGNED_INT, &zero);
+    clear(p->keys);
+    clear(p->counts);
     p->seen = 0;
     p->listed = 0;
     p->flushed = false;
@@ -139,9 +145,7 @@ void picture_forget(struct picture *p)
 
 void picture_list(struct picture *p, int k)
 {
-    const uint32_t zero = 0;
-    gl.ClearNamedBufferData(p->counts, GL_R32UI, GL_RED_INTEGER,
-                            GL_UNSIGNED_INT, &zero);
+    clear(p->counts);
     p->seen = k;
 }
 
@@ -215,7 +219,7 @@ void picture_scene(struct picture *p, const struct picture_scene *s, int k)
 void picture_bind(const struct picture *p)
 {
     const unsigned buffers[] = {p->keys, p->radiance, p->list, p->counts,
-                                p->map,  p->sum,      p->head};
+                                p->map,  p->sum,      p->saw};
     for (unsigned i = 0; i < 7; i++)
         gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 4 + i, buffers[i]);
 }
@@ -313,12 +317,18 @@ void picture_dispatch_lights(const struct picture *p, uint32_t cells,
     gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
+void picture_dispatch_add(const struct picture *p)
+{
+    const uint64_t pixels = (uint64_t)p->width * (uint64_t)p->height;
+    gl_dispatch_spread((pixels + PICTURE_ADD_PIXELS - 1) / PICTURE_ADD_PIXELS);
+    gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT |
+                     GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
 void picture_add(struct picture *p)
 {
     gl.UseProgram(p->add);
-    gl_dispatch((uint64_t)p->width * (uint64_t)p->height);
-    gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT |
-                     GL_BUFFER_UPDATE_BARRIER_BIT);
+    picture_dispatch_add(p);
 }
 
 uint32_t picture_counters(struct picture *p)

@@ -21,11 +21,12 @@
 #include "renderer/strands.h"
 
 enum { PICTURE_SCENE_BINDING = 1, PICTURE_SAMPLES_MAX = 4096 };
+enum { PICTURE_ADD_PIXELS = 512 }; // of a group that adds: accumulate.comp
 
 struct picture {
     int width, height;
     unsigned keys, radiance, list, counts, map; // cells.glsl
-    unsigned sum, head;                         // accumulate.comp
+    unsigned sum, saw;                          // accumulate.comp, seen.glsl
     unsigned scene;                             // uniform block
     unsigned cells, cells_drawn, count, add;    // programs
     struct raster raster;
@@ -82,6 +83,8 @@ void picture_dispatch_lights(const struct picture *p, uint32_t cells,
 // close it as the part of sample k.
 void picture_list(struct picture *p, int k);
 void picture_add(struct picture *p); // adds sample k, as prepared
+// The same by another program that is in use: accumulate.comp with LAYER.
+void picture_dispatch_add(const struct picture *p);
 // Binds the sums for display_draw.
 void picture_bind(const struct picture *p);
 // After the GPU is done: reads the counters; returns how many cells the last

@@ -247,7 +247,8 @@ bool renderer_draft_read(struct renderer *r, struct buf *out, struct error *err)
     exchange(r);
     lend(&r->picture, &v->picture);
     lend_display(&v->display, &r->display);
-    const struct display_input in = {r->map, 1, r->lights.tint};
+    const struct display_input in = {r->map, 1, &r->lights, &r->camera,
+                                     &r->strands};
     bool ok = display_draw(&v->display, &p, &in, err);
     timer_end(t, RENDERER_DISPLAY);
     ok = ok && renderer_wait_for_gpu("display", err);

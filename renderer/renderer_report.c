@@ -104,8 +104,8 @@ void renderer_stats(const struct renderer *r, struct renderer_stats *out)
     memcpy(out->eye, r->camera.eye, sizeof out->eye);
     memcpy(out->target, r->camera.target, sizeof out->target);
     out->memory_strands = r->strands.bytes;
-    out->memory_targets =
-        r->picture.target_bytes + r->picture.raster.bytes + r->forward.bytes;
+    out->memory_targets = r->picture.target_bytes + r->picture.raster.bytes +
+                          r->forward.bytes + display_bytes(&r->display);
     out->path = paths[r->shading.tabled ? RENDERER_TABLE : r->path];
     out->memory_cache = r->picture.cache_bytes;
     out->memory_draft = draft_bytes(&r->draft);

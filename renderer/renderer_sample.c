@@ -389,7 +389,8 @@ bool renderer_read_display(struct renderer *r, struct buf *out,
     renderer_bind_scene(r, r->samples - 1);
     timer_begin(t, RENDERER_DISPLAY, "display");
     picture_bind(&r->picture);
-    const struct display_input in = {r->map, r->samples, r->lights.tint};
+    const struct display_input in = {r->map, r->samples, &r->lights, &r->camera,
+                                     &r->strands};
     bool drawn = display_draw(&r->display, &r->params, &in, err);
     timer_end(t, RENDERER_DISPLAY);
     if (!drawn || !renderer_wait_for_gpu("display", err))

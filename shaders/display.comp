@@ -1,37 +1,44 @@
 #version 450 core
 // The display picture: hair over head over background, exposure, tone curve,
-// 8 bits straight alpha.  An invocation does a few pixels of a column: first
-// hair before a plain background, then again those of them where more is seen.
+// 8 bits straight alpha.  An invocation does some pixels of a column: all as if
+// nothing were seen there, then again those that see hair before a plain
+// background, then those where more is seen.
 // (A renderer on a CPU runs both sides of a branch, but a loop's turns only
 // where there are any.)
 #include "scene.glsl"
 #include "lights.glsl"
+#include "seen.glsl"
+#include "spread.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 9) readonly buffer Sum { vec4 sum[]; };
-layout(std430, binding = 10) readonly buffer Head { float head[]; };
+layout(std430, binding = 10) readonly buffer Seen { uint seen[]; };
 layout(std430, binding = 11) writeonly buffer Display { uint display[]; };
+// What the lights make of the head, rgb, where `w` is `stamp`: they, the head and
+// the camera are as they were when it was made.
+layout(std430, binding = 12) buffer Kept { uvec4 kept[]; };
 layout(location = 0) uniform vec4 scale; // of sum: rgb the sky's tint / samples
 layout(location = 1) uniform vec4 tint;  // rgb of the sky's light; w: exposure
+layout(location = 2) uniform uint stamp;
 #ifdef BACKGROUND_SKY
 layout(binding = 0) uniform sampler2D sky;
 #endif
 
 const float PI = 3.14159265;
-const uint ROWS = 8u; // of an invocation; display.c dispatches for so many
+const uint ROWS = 16u; // of an invocation; display.c dispatches for so many
 
 // Irradiance of one SRBF light at a normal: exact for a narrow lobe, softened
 // at the terminator for a wide one.  Only scenery: no hair reads it.
-vec3 head_radiance(vec3 n, uint lights_here)
+// e: the sum over the lights before `from`.
+vec3 head_irradiance(vec3 n, uint from, vec3 e)
 {
-    vec3 e = vec3(0.0);
-    for (uint j = 0u; j < lights_here; j++) {
+    for (uint j = from; j < light_count; j++) {
         float c = dot(n, lights[j].place.xyz);
         float soft = 0.5 * lights[j].place.w;
         float lit = 0.5 * (c + sqrt(c * c + soft * soft)) /
                     sqrt(1.0 + 0.25 * soft * soft);
         e += lights[j].radiance.rgb * lights[j].radiance.w * lit;
     }
-    return e * tint.rgb * (0.09 / PI); // a dark neutral albedo
+    return e;
 }
 
 vec3 ray_of(vec2 pixel)
@@ -87,29 +94,43 @@ uint shown(vec3 c, float a, vec3 behind)
 
 void main()
 {
-    uint x = gl_GlobalInvocationID.x, y = gl_GlobalInvocationID.y * ROWS;
+    uint x = gl_GlobalInvocationID.x;
+    uint y = spread_group(gl_WorkGroupID.y, gl_NumWorkGroups.y) * ROWS;
     uint wide = uint(size.x), high = uint(size.y);
-    if (x >= wide)
+    if (x >= wide || y >= high)
         return;
-    uint first = y * wide + x, rows = min(ROWS, high - y), more = 0u;
+    uint first = y * wide + x, rows = min(ROWS, high - y);
+    uint hairs = 0u, more = 0u, nothing = shown(vec3(0.0), 0.0, view_colour);
     for (uint i = 0u; i < rows; i++) {
-        uint at = first + i * wide;
-        vec4 hair = sum[at] * scale;
-        bool again = view_head == 1 && head[at] > 0.0;
+        uint at = first + i * wide, s = seen[at];
+        bool again = view_head == 1 && seen_head(s) > 0u;
 #ifdef BACKGROUND_SKY
-        again = again || hair.a < 1.0;
+        again = again || float(seen_hair(s)) * scale.a < 1.0;
 #endif
         more |= again ? 1u << i : 0u;
+        hairs |= !again && s >= SEEN_HAIR ? 1u << i : 0u;
+        display[at] = nothing;
+    }
+    while (hairs != 0u) {
+        uint at = first + uint(findLSB(hairs)) * wide;
+        hairs &= hairs - 1u;
+        vec4 hair = sum[at] * scale;
         display[at] = shown(hair.rgb, hair.a, view_colour);
     }
     while (more != 0u) {
         uint i = uint(findLSB(more)), at = first + i * wide;
         more &= more - 1u;
         vec4 hair = sum[at] * scale;
-        float h = view_head == 1 ? head[at] * scale.w : 0.0;
-        vec3 ray = ray_of(vec2(x, y + i));
-        uint lit = h > 0.0 ? light_count : 0u;
-        vec3 c = hair.rgb + h * head_radiance(head_normal(ray), lit);
+        float h = view_head == 1 ? float(seen_head(seen[at])) * scale.w : 0.0;
+        vec3 ray = ray_of(vec2(x, y + i)), e = vec3(0.0);
+        for (uint k = h > 0.0 ? 0u : 1u; k < 1u; k++) {
+            uvec4 old = kept[at];
+            uint from = old.w == stamp ? light_count : 0u;
+            e = from > 0u ? uintBitsToFloat(old.rgb) : vec3(0.0);
+            e = head_irradiance(head_normal(ray), from, e);
+            kept[at] = uvec4(floatBitsToUint(e), stamp);
+        }
+        vec3 c = hair.rgb + h * (e * tint.rgb * (0.09 / PI)); // dark and neutral
         display[at] = shown(c, hair.a + h, background(ray));
     }
 }

@@ -97,7 +97,7 @@ static const struct kind {
     bool by_hair; // the hair itself decides how much: no limit
 } kinds[] = {
     {"display exposure", exposure, "display read", 1, 1488, 0, false},
-    {"light colour", colour, "tint display read", 1, 7904, 0, false},
+    {"light colour", colour, "tint display read", 1, 1488, 0, false},
     {"absorption", absorption, "fibre shade resolve display read", 17, 115728,
      0, false},
     {"width of a lobe", width, "fibre shade resolve display read", 13, 82896, 0,
