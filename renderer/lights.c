@@ -81,13 +81,13 @@ static double power_of(const struct sky_light *s)
            sky_lobe_omega(s->lambda);
 }
 
-static int dimness(const struct sky_fit *fit, int j)
+// 1 on average.
+static double share_of(const struct sky_fit *fit, int j)
 {
     double total = 0;
     for (int i = 0; i < fit->count; i++)
         total += power_of(&fit->light[i]);
-    const double share = power_of(&fit->light[j]) * fit->count;
-    return share < total / 16 ? 2 : share < total / 4;
+    return total > 0 ? power_of(&fit->light[j]) * fit->count / total : 1;
 }
 
 // Lights come by falling energy: the tail is what may be dropped.
@@ -126,7 +126,9 @@ bool lights_put(struct lights *l, const struct sky_fit *fit,
                 (float)(m[3 * r] * d[0] + m[3 * r + 1] * d[1] +
                         m[3 * r + 2] * d[2]);
         place[j].lambda = (float)fit->light[j].lambda;
-        place[j].dim = dimness(fit, j);
+        const double share = share_of(fit, j);
+        place[j].dim = share < 1.0 / 16 ? 2 : share < 1.0 / 4;
+        place[j].share = (float)share;
     }
     for (int i = 0; i < suns; i++) {
         const double *e = &sun[i].elevation, *a = &sun[i].azimuth;
@@ -134,7 +136,8 @@ bool lights_put(struct lights *l, const struct sky_fit *fit,
             (struct lights_place){{(float)(cos(*e) * sin(*a)),
                                    (float)(-cos(*e) * cos(*a)), (float)sin(*e)},
                                   (float)LIGHTS_SUN_LAMBDA,
-                                  0};
+                                  0,
+                                  1};
     }
     bool changed = l->used != sky + suns || l->suns != suns ||
                    memcmp(place, l->place, sizeof place) != 0;

@@ -22,6 +22,7 @@ struct lights_place {
     // 1, 2: holds less than a quarter, a sixteenth of what the fit's lights
     // hold on average, so that its shadows may be coarser; else 0
     int dim;
+    float share; // of the fit's light, 1 on average; a sun's is 1
 };
 
 struct lights {

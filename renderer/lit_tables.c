@@ -12,9 +12,8 @@
 
 enum {
     LIGHTS = LIT_PLAN_LIGHTS,
-    VALUE_BYTES = 16,
     RECORD_BYTES = 16,
-    RECORDS_MAX = 112 << 20, // bytes: some drivers end at 128 MiB
+    BUFFER_MAX = 128 << 20, // bytes: some drivers end there
     VALUES_BINDING = 12,
     MARKS_BINDING = 13,
     RECORDS_BINDING = 14,
@@ -48,8 +47,7 @@ struct lit_tables {
     struct lit_fibre fibre;
     bool known; // there is one
     struct lit_plan plan;
-    float lambda[LIGHTS];
-    int lights;
+    struct lit_lights lights;
     unsigned made;   // the order of records
     uint32_t places; // with records
     bool planned;    // plan is of this fibre and these lights
@@ -110,6 +108,21 @@ static void drop(struct lit_tables *t, int i)
     gl.DeleteBuffers(1, &t->buffer[i]);
     t->texture[i] = t->buffer[i] = 0;
     t->bytes[i] = 0;
+    if (i == RECORDS || i == ORDER)
+        t->recorded = false;
+}
+
+static uint64_t most_of(const struct lit_tables *t, int i)
+{
+    return i == RECORDS && t->lights.bytes < BUFFER_MAX ? t->lights.bytes
+                                                        : BUFFER_MAX;
+}
+
+// The next is often larger.
+static uint64_t with_slack(uint64_t bytes, uint64_t most)
+{
+    const uint64_t more = bytes + bytes / 4;
+    return more < most ? more : bytes < most ? most : bytes;
 }
 
 static bool grow(struct lit_tables *t, int i, uint64_t bytes, struct error *err)
@@ -121,7 +134,7 @@ static bool grow(struct lit_tables *t, int i, uint64_t bytes, struct error *err)
     if (t->bytes[i] >= bytes)
         return true;
     drop(t, i);
-    bytes = (bytes + bytes / 4 + 15) / 16 * 16; // the next is often larger
+    bytes = (with_slack(bytes, most_of(t, i)) + 15) / 16 * 16;
     gl.CreateBuffers(1, &t->buffer[i]);
     gl.NamedBufferStorage(t->buffer[i], (GLsizeiptr)bytes, NULL,
                           GL_DYNAMIC_STORAGE_BIT);
@@ -147,29 +160,31 @@ static bool make_room(struct lit_tables *t, const struct lit_plan *p,
                       struct error *err)
 {
     const uint64_t far = p->far_cells, near = p->cells;
-    const uint64_t values = 3 * far > near ? 3 * far : near;
+    const uint64_t values =
+        LIT_PLAN_FAR_VALUES * far > near ? LIT_PLAN_FAR_VALUES * far : near;
     return grow(t, CELLS,
                 near * LIT_PLAN_NEAR_BYTES + far * LIT_PLAN_FAR_BYTES + 16,
                 err) &&
-           grow(t, VALUES, values * VALUE_BYTES + 16, err) &&
-           grow(t, WANTED, (uint64_t)p->columns * LIGHTS * 4 + 16, err) &&
-           grow(t, MARKS, (near > ORDER_BINS ? near : ORDER_BINS) * 4, err);
+           grow(t, VALUES, values * LIT_PLAN_VALUE_BYTES + 16, err) &&
+           grow(t, WANTED, (uint64_t)p->columns * p->tables * 4 + 16, err) &&
+           grow(t, MARKS,
+                (near > ORDER_BINS ? near : ORDER_BINS) * LIT_PLAN_MARK_BYTES,
+                err);
 }
 
-bool lit_tables_lights(struct lit_tables *t, const float *lambda, int count,
+bool lit_tables_lights(struct lit_tables *t, const struct lit_lights *l,
                        struct error *err)
 {
-    const size_t size = (size_t)count * sizeof *lambda;
-    if (t->planned && t->lights == count &&
-        memcmp(t->lambda, lambda, size) == 0)
+    if (t->planned && memcmp(&t->lights, l, sizeof *l) == 0)
         return true;
     struct lit_plan plan;
     const struct lit_block *const b = &plan.block;
-    if (t->lights != count || memcmp(t->lambda, lambda, size) != 0)
+    if (memcmp(&t->lights, l, sizeof *l) != 0)
         t->near_stale = t->far_stale = true;
-    t->lights = count;
-    memcpy(t->lambda, lambda, size);
-    lit_plan_make(&plan, &t->fibre, lambda, count);
+    for (int i = 0; i < BUFFERS && l->bytes < t->lights.bytes; i++)
+        drop(t, i); // they may be larger than is allowed now
+    t->lights = *l;
+    lit_plan_make(&plan, &t->fibre, l);
     if (!make_room(t, &plan, err))
         return false;
     if (!t->uniform) {
@@ -189,9 +204,9 @@ bool lit_tables_lights(struct lit_tables *t, const float *lambda, int count,
     return true;
 }
 
-bool lit_tables_rest(const struct lit_tables *t)
+const struct lit_plan *lit_tables_plan(const struct lit_tables *t)
 {
-    return t->plan.block.from[1] > 0;
+    return &t->plan;
 }
 
 uint32_t lit_tables_kept(const struct lit_tables *t)
@@ -233,7 +248,7 @@ static unsigned program_of(struct lit_tables *t, int i, struct error *err)
 
 static void dispatch_columns(const struct lit_tables *t)
 {
-    gl.DispatchCompute((t->plan.columns + GROUP - 1) / GROUP, (GLuint)t->lights,
+    gl.DispatchCompute((t->plan.columns + GROUP - 1) / GROUP, t->plan.tables,
                        1);
     gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT |
                      GL_SHADER_STORAGE_BARRIER_BIT);
@@ -268,9 +283,9 @@ static void clear(unsigned buffer)
 
 bool lit_tables_keep(struct lit_tables *t, uint32_t places, struct error *err)
 {
-    const uint64_t lights = (uint64_t)t->lights;
+    const uint64_t lights = (uint64_t)t->lights.count;
     const uint64_t bytes = places * lights * RECORD_BYTES;
-    t->places = bytes <= RECORDS_MAX ? places : 0;
+    t->places = bytes <= most_of(t, RECORDS) ? places : 0;
     t->recorded = false;
     if (t->places == 0)
         return true;

@@ -39,12 +39,12 @@ struct lit_tables *lit_tables_create(void);
 void lit_tables_fibre(struct lit_tables *t, const struct lit_fibre *f);
 
 // Thread: render, from here on.
-// lambda: of each light.  False when there is no memory for the buffers.
-bool lit_tables_lights(struct lit_tables *t, const float *lambda, int count,
+// False when there is no memory for the buffers.
+bool lit_tables_lights(struct lit_tables *t, const struct lit_lights *l,
                        struct error *err);
 
-// Have some of them no table, narrow as they are or for want of memory?
-bool lit_tables_rest(const struct lit_tables *t);
+// How many tables there are, and which lights have none (lit_plan.h).
+const struct lit_plan *lit_tables_plan(const struct lit_tables *t);
 
 // What places read has changed: marks and records are to be made anew.
 void lit_tables_forget(struct lit_tables *t);

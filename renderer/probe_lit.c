@@ -133,8 +133,8 @@ bool probe_lit_lights(struct probe_lit *p, const float *lambda, int count,
         };
     lights_put(&p->lights, &sky, &all);
     lights_tint(&p->lights, &sky, &all, false);
-    return bind_inputs(p, err) &&
-           lit_tables_lights(p->lit, lambda, count, err) &&
+    const struct lit_lights apart = lit_plan_apart(lambda, count);
+    return bind_inputs(p, err) && lit_tables_lights(p->lit, &apart, err) &&
            lit_tables_make(p->lit, true, err);
 }
 

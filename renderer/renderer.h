@@ -59,6 +59,8 @@ struct renderer_stats {
     int samples_wanted;
     uint32_t visible_points;        // shaded by the last step
     int lights_used, lights_fitted; // suns count among those used
+    // render.path=table: tables that these share; lights that have none
+    int tables, tables_missing;
     bool refined; // this picture's shadows are being made by real rays
     int shadow_resolution, shadow_directions; // in use; 0: no shadows
     double shadow_grid_ms, shadow_sweep_ms;   // of the last build

@@ -41,7 +41,8 @@ struct renderer {
     bool directions_stale; // lights stand elsewhere than swept for
     struct nodes nodes;
     int path; // that picture and nodes were made for: forward or direct
-    uint64_t nodes_budget; // bytes; 0: half of quality.cache_mb; set by tests
+    // bytes; 0: half of quality.cache_mb; set by tests, drafts, warm.c
+    uint64_t nodes_budget, lit_budget;
     struct shading shading;
     struct picture picture;
     struct layers layers;

@@ -18,6 +18,32 @@ static void leave_out(struct renderer_stats *s, const char *what, double bound,
     snprintf(l->why, sizeof l->why, "%s", why);
 }
 
+// The plan of the lights' tables, where they draw.
+static const struct lit_plan *plan_of(const struct renderer *r)
+{
+    const bool used = r->shading.tabled && r->shading.whole && r->shading.lit;
+    return used ? lit_tables_plan(r->shading.lit) : NULL;
+}
+
+static void list_tables(const struct lit_plan *plan, struct renderer_stats *s)
+{
+    // largest errors measured with cells so many steps larger
+    static const double coarser[] = {0, 0.1, 0.12, 0.18};
+    char why[96];
+    if (plan->rest > 0) {
+        snprintf(why, sizeof why,
+                 "of %d lights: lobes too narrow for %d, quality.cache_mb "
+                 "too small for %d",
+                 (int)plan->rest, (int)plan->narrow,
+                 (int)(plan->rest - plan->narrow));
+        leave_out(s, "light_tables", 0, why);
+    }
+    if (plan->coarser > 0)
+        leave_out(s, "fine_tables", coarser[plan->coarser],
+                  "quality.cache_mb has no room for the finest cells of the "
+                  "lights' tables");
+}
+
 static void list_left_out(const struct renderer *r, struct renderer_stats *s)
 {
     char why[96];
@@ -62,6 +88,8 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
                         "place; median .003"
                       : "render.path is table: the largest error measured of a "
                         "sky's sum; median .001 to .025");
+    if (plan_of(r))
+        list_tables(plan_of(r), s);
     if (!r->strands.opacity && r->strands.plain_colour[3] >= 1)
         leave_out(s, "opacity", 0,
                   "hair.use_opacity is off or the file has none");
@@ -111,6 +139,10 @@ void renderer_stats(const struct renderer *r, struct renderer_stats *out)
     out->memory_draft = draft_bytes(&r->draft);
     out->memory_tables =
         fast_tables_bytes(r->shading.fast) + lit_tables_bytes(r->shading.lit);
+    if (plan_of(r)) {
+        out->tables = (int)plan_of(r)->tables;
+        out->tables_missing = (int)plan_of(r)->rest;
+    }
     out->work = gl_count_since(&r->work_from);
     out->refined = r->refined;
     if (r->shading.shadowed) {

@@ -99,6 +99,11 @@ static bool run_parts(struct renderer *r, const struct parts *p,
     return true;
 }
 
+static uint64_t budget_of(const struct renderer *r, uint64_t given)
+{
+    return given ? given : ((uint64_t)r->params.quality.cache_mb << 20) / 2;
+}
+
 // A draft has too few places for tables of each light to pay, and parts of a
 // picture are to add up to it.
 static struct shading_sample sample_of(const struct renderer *r, int k,
@@ -111,6 +116,7 @@ static struct shading_sample sample_of(const struct renderer *r, int k,
         .nodes = nodes,
         .from = from,
         .lights = modes ? NULL : &r->lights,
+        .lit_bytes = budget_of(r, r->lit_budget),
         .picture = &r->picture,
         .again = k == 0 && (!nodes || nodes == &r->nodes.first),
         .made = nodes ? r->nodes.made : 0,
@@ -273,9 +279,7 @@ static bool shadow_and_shade(struct renderer *r, int k, struct error *err)
         .rays = r->refined ? renderer_rays(r) : 0,
         .map = renderer_mapped(r),
         .lights = r->lights.used,
-        .budget = r->nodes_budget
-                      ? r->nodes_budget
-                      : ((uint64_t)r->params.quality.cache_mb << 20) / 2,
+        .budget = budget_of(r, r->nodes_budget),
         .by_pixel = r->path == RENDERER_FORWARD,
         .centres = r->forward.centres,
     };

@@ -349,13 +349,19 @@ static bool mark_places(struct shading *s, const struct strands *strands,
 }
 
 // The sizes of the tables of these lights.
-static bool plan_lit(struct shading *s, const struct lights *l,
+static bool plan_lit(struct shading *s, const struct shading_sample *how,
                      struct error *err)
 {
-    float lambda[LIGHTS_MAX];
-    for (int j = 0; j < l->used; j++)
-        lambda[j] = l->place[j].lambda;
-    return lit_tables_lights(s->lit, lambda, l->used, err);
+    const struct lights *const l = how->lights;
+    struct lit_lights of;
+    memset(&of, 0, sizeof of);
+    of.count = l->used;
+    of.bytes = how->lit_bytes;
+    for (int j = 0; j < l->used; j++) {
+        of.lambda[j] = l->place[j].lambda;
+        of.share[j] = l->place[j].share;
+    }
+    return lit_tables_lights(s->lit, &of, err);
 }
 
 // Marks and records where it pays to make them, and what to define.
@@ -363,9 +369,9 @@ static bool light_places(struct shading *s, const struct strands *strands,
                          const struct shading_sample *how,
                          char defines[SHADING_DEFINES], struct error *err)
 {
-    if (!plan_lit(s, how->lights, err))
+    if (!plan_lit(s, how, err))
         return false;
-    add(defines, lit_tables_rest(s->lit) ? "LIT LIT_REST" : "LIT");
+    add(defines, lit_tables_plan(s->lit)->rest > 0 ? "LIT LIT_REST" : "LIT");
     if (!finds_again(s, how))
         return true;
     const bool marked = lit_tables_marked(s->lit, how->made);

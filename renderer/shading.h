@@ -69,6 +69,7 @@ struct shading_sample {
     // Where all modes may be read from tables of each light (lit_tables.h): the
     // lights, and the picture whose places are shaded.  NULL: mode by mode.
     const struct lights *lights;
+    uint64_t lit_bytes; // that these tables may take, and again their records
     const struct picture *picture;
     bool again;    // the same places as ever since shading_forget,
     unsigned made; // in the order of these transmittances (nodes.h)

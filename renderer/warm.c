@@ -27,8 +27,9 @@ struct warm {
     struct groom *sample;
     struct sky_fit fit;
     int sky[2];
-    bool installed; // all this is the renderer's
-    uint8_t hair;   // its properties
+    uint64_t lit_budget; // bytes of lights' tables: they decide about programs
+    bool installed;      // all this is the renderer's
+    uint8_t hair;        // its properties
     struct params state[STATES_MAX];
     int count, next;
     struct kind *done;
@@ -103,14 +104,13 @@ static bool sunny(const struct params *p)
     return p->sun1.strength > 0 || p->sun2.strength > 0 || p->sun3.strength > 0;
 }
 
-// Some lights then have no table of their own (lit_tables.h), whichever they
-// are.
+// Narrow lights then have no table (lit_plan.c).
 static bool narrow(const struct params *p)
 {
     struct params r = *p;
     params_fibre_resolve(&r);
-    return r.fibre.beta_r < 1.7f || r.fibre.beta_tt < 1.7f ||
-           r.fibre.beta_trt < 1.7f;
+    return r.fibre.beta_r < 0.5f || r.fibre.beta_tt < 0.5f ||
+           r.fibre.beta_trt < 0.5f;
 }
 
 static struct kind kind_of(const struct params *p, uint8_t hair)
@@ -222,6 +222,7 @@ void warm_begin(struct warm *w, const struct warm_scene *scene)
     groom_destroy(w->sample);
     w->sample = scene->sample;
     w->fit = scene->fit;
+    w->lit_budget = ((uint64_t)scene->params.quality.cache_mb << 20) / 2;
     w->sky[0] = scene->sky_width;
     w->sky[1] = scene->sky_height;
     w->installed = false;
@@ -276,6 +277,7 @@ static bool set_up(struct warm *w, struct error *err)
     w->installed = renderer_set_sky(r, black(w->sky), err) &&
                    renderer_set_groom(r, groom_share(w->sample, 1), err);
     r->fit = w->fit;
+    r->lit_budget = w->lit_budget; // the scene's, not that of `small`
     r->stale[RENDERER_SKY] = false;
     return w->installed;
 }

@@ -119,6 +119,8 @@ static void put_picture(struct json *j, const struct engine_stats *e)
     json_put_int(j, "visible_points", r->visible_points);
     json_put_int(j, "lights_used", r->lights_used);
     json_put_int(j, "lights_fitted", r->lights_fitted);
+    json_put_int(j, "tables", r->tables);
+    json_put_int(j, "tables_missing", r->tables_missing);
     json_key(j, "diameter");
     json_float(j, r->diameter);
     json_put_string(j, "up", axes[r->up >= 0 && r->up < 3 ? r->up : 2]);

@@ -15,11 +15,12 @@
 layout(std140, binding = 9) uniform Lit {
     vec4 lit_far;   // first ln sigma_f; slices; rows of a slice; width^2
     uvec4 lit_from; // the far table's first texel; lights without a table; most
-                    // columns of a light
-    // cells a radian of s (float); rows of s, cells over Phi, 16 bits each; first
-    // cell; lambda (float)
+                    // columns of a table
+    // its table: cells a radian of s (float); rows of s, cells over Phi, 16 bits
+    // each; first cell.  lambda (float)
     uvec4 lit_light[200];
     uvec4 lit_rest[50]; // those lights, four a row
+    uvec4 lit_table[200]; // the same of tables, which several lights may share
 };
 
 struct LitAt {

@@ -6,24 +6,24 @@ layout(binding = 22) uniform usamplerBuffer lit_wanted;
 
 struct LitColumn {
     bool real;
-    uint light, first, phis; // first: its cell with Phi = 0
+    uint table, first, phis; // first: its cell with Phi = 0
     int s, d, rows, at;      // at: in lit_wanted
 };
 
-// Columns of all lights in one row: a light's rows of s, LIT_D columns each.
-LitColumn lit_column(uint light, uint n)
+// Columns of all tables in one row: a table's rows of s, LIT_D columns each.
+LitColumn lit_column(uint table, uint n)
 {
     LitColumn c;
-    uvec4 l = lit_light[light];
+    uvec4 l = lit_table[table];
     const uint D = uint(LIT_D);
-    c.light = light;
+    c.table = table;
     c.rows = int(l.y >> 16);
     c.phis = lit_phis(l);
     c.s = int(n / D);
     c.d = int(n % D);
     c.real = c.s < c.rows;
     c.first = l.z + n * c.phis;
-    c.at = int(light * lit_from.z + n);
+    c.at = int(table * lit_from.z + n);
     return c;
 }
 
@@ -59,7 +59,7 @@ uvec2 lit_reach(LitColumn c)
 // over the edge.
 vec2 lit_theta(LitColumn c)
 {
-    float s = (float(c.s) + 0.5) / uintBitsToFloat(lit_light[c.light].x) - LIT_PI;
+    float s = (float(c.s) + 0.5) / uintBitsToFloat(lit_table[c.table].x) - LIT_PI;
     float theta_o = lit_theta_o((float(c.d) + 0.5) / LIT_D);
     return vec2(theta_o, clamp(s - theta_o, -1.5706, 1.5706));
 }

@@ -2,7 +2,6 @@
 // Values at the middles of a light's cells: an invocation a column of Phi, of as
 // much of it as cells are wanted here or beside it.
 #include "scene.glsl"
-#include "lights.glsl"
 #include "xu.glsl"
 #include "best.glsl"
 #ifdef WITH_MULTIPLE
@@ -33,7 +32,7 @@ void main()
     uvec2 range = lit_reach(c);
     vec2 theta = lit_theta(c);
     Fibre f = fibre_here();
-    Srbf lobe = Srbf(theta.y, 0.0, lights[c.light].place.w);
+    Srbf lobe = Srbf(theta.y, 0.0, uintBitsToFloat(lit_table[c.table].w));
     FastLong g = fast_long(f, lobe, theta.x);
 #ifdef WITH_MULTIPLE
     FastNear near = fast_near_of(dual_view(theta.x), lobe);

@@ -12,7 +12,7 @@ layout(location = 0) uniform uint everything;
 
 bool reached(LitColumn c)
 {
-    float step = 1.0 / uintBitsToFloat(lit_light[c.light].x);
+    float step = 1.0 / uintBitsToFloat(lit_table[c.table].x);
     float s = (float(c.s) + 0.5) * step - LIT_PI;
     float low = lit_theta_o(float(c.d) / LIT_D) - 0.5 * LIT_PI;
     float high = lit_theta_o(float(c.d + 1) / LIT_D) + 0.5 * LIT_PI;
