@@ -5,6 +5,7 @@ import { build, h, same, short } from "./panel.js";
 import { hand, orbit, pan, screen, zoom } from "./view.js";
 
 const $ = (id) => document.getElementById(id);
+const put = (id, text) => { $(id).textContent = text; };
 const pick = (from, test) =>
   Object.fromEntries(Object.entries(from).filter(([k, v]) => test(k, v)));
 const SHARED = /^(camera|image|quality|output)\./; // by the looks A and B
@@ -21,7 +22,7 @@ let stats = null;   // the last reply of that name
 let hush = 0;
 function say(text, wrong = false, stay = wrong) {
   clearTimeout(hush);
-  $("say").textContent = text;
+  put("say", text);
   $("say").classList.toggle("wrong", wrong);
   hush = stay ? 0 : setTimeout(() => say(""), 5000);
 }
@@ -143,7 +144,7 @@ async function begin() {
   if (text !== schema) {
     defaults = Object.fromEntries(params.map((p) => [p.name, p.auto ? null : p.default]));
     panel = build($("groups"), params, { set, open, inUse: (name) => used[name],
-      doc: (doc) => { $("doc").textContent = doc; } });
+      doc: (doc) => put("doc", doc) });
     schema = text;
   }
   past.length = future.length = 0;
@@ -156,7 +157,7 @@ function lost(is, text) {
   document.body.classList.toggle("lost", is);
   $("banner").hidden = !is;
   $("link").className = is ? "down" : "";
-  $("link").textContent = text;
+  put("link", text);
 }
 
 const link = connect({
@@ -177,19 +178,20 @@ const size = (x) => x < 1e6 ? ms(x / 1e3) + " kB" : ms(x / 1e6) + " MB";
 let later = 0;
 
 function shown({ body, ...head }) {
-  const { error, samples, level } = head, before = frame ?? {};
+  const { error, samples, level, governor = "" } = head, before = frame ?? {};
   const wanted = values["quality.samples"] || 1;
   frame = head;
-  $("level").textContent = `${level} ${samples}/${wanted}`;
+  put("level", `${level} ${samples}/${wanted}`);
   $("progress").value = head.final ? 1 : samples / wanted;
   if (head.render_ms) // not the same picture in better quality
-    $("ms").textContent = `${ms(head.render_ms)} + ${ms(head.encode_ms)} ms`;
+    put("ms", `${ms(head.render_ms)} + ${ms(head.encode_ms)} ms`);
   if (head.echo && head.echo !== before.echo)
-    $("trip").textContent = `trip ${ms(performance.now() - head.echo)} ms`;
-  $("rev").textContent = "r" + head.revision;
-  $("size").textContent = `${head.width} × ${head.height}, ${size(head.bytes)}`;
-  $("wrong").textContent = error ? `error ${ms(100 * error.value)} % ± ${
-    ms(100 * error.ci95)} % of reference` : "";
+    put("trip", `trip ${ms(performance.now() - head.echo)} ms`);
+  put("rev", "r" + head.revision);
+  put("size", `${head.width} × ${head.height}, ${size(head.bytes)}`);
+  put("wrong", error
+    ? `error ${ms(100 * error.value)} % ± ${ms(100 * error.ci95)} % of reference` : "");
+  put("governor", governor);
   layout();
   times();
   if (head.final || (before.revision !== head.revision && !values["camera.eye"]))
@@ -206,14 +208,14 @@ function times() {
   const { memory, left_out: left, fit: sky, device } = stats;
   const part = (from, f) => [...Object.entries(from)
     .map(([k, v]) => k.padEnd(12) + f(v).padStart(9)), ""];
-  $("times").textContent = [...part(frame.stages, (x) => ms(x) + " ms"), ...part(memory, size),
+  put("times", [...part(frame.stages, (x) => ms(x) + " ms"), ...part(memory, size),
     `${sky.lights} lights, error to expect ${short(sky.predicted_error, 2)}`,
     ...left.map((x) => `without ${x.what}: ${x.why}`
       + (x.bound ? ", error up to " + short(x.bound, 2) : "")),
-    device].join("\n");
+    device].join("\n"));
 }
 function unfold(on) {
-  $("frame").setAttribute("aria-expanded", on);
+  $("frame").ariaExpanded = on;
   $("times").hidden = !on;
   times();
   $("times").scrollIntoView({ block: "nearest" });
@@ -249,8 +251,8 @@ function layout() {
     : Math.min((stage.clientWidth - 24) / width, (stage.clientHeight - 24) / height);
   style.width = width * k + "px";
   style.height = height * k + "px";
-  $("fit").setAttribute("aria-pressed", fit);
-  $("one").setAttribute("aria-pressed", one);
+  $("fit").ariaPressed = fit;
+  $("one").ariaPressed = one;
 }
 function follow() {
   const pixels = (x) => Math.max(16, Math.round(x * devicePixelRatio));
@@ -281,7 +283,7 @@ $("one").onclick = () => {
 function chooser(verb) {
   const select = $(verb), path = $(verb + "-path");
   let now;
-  function put(source) {
+  function take(source) {
     now = source;
     select.value = source.replace("builtin:", "");
     path.hidden = select.selectedIndex >= 0;
@@ -294,11 +296,11 @@ function chooser(verb) {
     say("loading " + source, false, true);
     try {
       await aside(`${verb} name=${word(source)}`);
-      put(source);
+      take(source);
       say("");
     } catch (error) {
       say(error.message, true);
-      put(now);
+      take(now);
     }
     measure();
   }
@@ -307,7 +309,7 @@ function chooser(verb) {
     path.hidden ? load("builtin:" + select.value) : path.focus();
   };
   path.onchange = () => path.value && load(path.value);
-  return put;
+  return take;
 }
 const choosers = { hair: chooser("hair"), env: chooser("env") };
 
@@ -318,8 +320,8 @@ function compare() {
   const now = looks[side] = pick(values, (k) => !SHARED.test(k));
   side = 1 - side;
   const other = looks[side] ??= now;
-  $("ab").textContent = "AB"[side];
-  $("ab").setAttribute("aria-pressed", !!side);
+  put("ab", "AB"[side]);
+  $("ab").ariaPressed = !!side;
   say(other === now ? "B begins as a copy of A" : "look " + "AB"[side]);
   const edit = pick(other, (k, v) => !same(v, now[k]));
   if (Object.keys(edit).length)

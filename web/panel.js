@@ -1,11 +1,9 @@
 // panel.js - the controls, made from the schema alone.  Shows values and says
 // what the hand wants; what is legal is the server's to decide.
 
-// An element with properties and aria- attributes, and what is in it.
+// An element with properties, and what is in it.
 export function h(tag, props, ...children) {
-  const node = document.createElement(tag);
-  for (const [k, v] of Object.entries(props))
-    k.startsWith("aria-") ? node.setAttribute(k, v) : node[k] = v;
+  const node = Object.assign(document.createElement(tag), props);
   node.append(...children);
   return node;
 }
@@ -48,7 +46,7 @@ const absorb = { hex: (v) => hex(v.map((x) => Math.exp(-2 * x))),
 function exact(label, change, placeholder) {
   let typing = false;
   const field = h("input", { type: "number", step: "any", className: "field",
-    placeholder, "aria-label": label,
+    placeholder, ariaLabel: label,
     oninput: () => { typing = true; }, onblur: () => { typing = false; },
     onchange() {
       typing = false;
@@ -64,7 +62,7 @@ function exact(label, change, placeholder) {
 // the slider is dragged with Shift.
 function number(row, label, change, ratio) {
   const map = scale(row);
-  const slider = h("input", { type: "range", min: 0, max: 1, step: "any", "aria-label": label });
+  const slider = h("input", { type: "range", min: 0, max: 1, step: "any", ariaLabel: label });
   let value = null, shift = false;
   const { field, show } = exact(label + ", exact", (v) =>
     v !== null || row.auto ? change(v) : show(value), "auto");
@@ -89,7 +87,7 @@ function number(row, label, change, ratio) {
     value = v;
     slider.value = v === null ? 0.5 : map.at(v);
     slider.style.setProperty("--t", slider.value);
-    slider.setAttribute("aria-valuetext", v === null ? "auto" : `${short(v)} ${row.unit}`);
+    slider.ariaValueText = v === null ? "auto" : `${short(v)} ${row.unit}`;
     show(v);
   } };
 }
@@ -100,16 +98,16 @@ const makers = {
   int: number,
 
   bool(row, label, change) {
-    const box = h("input", { type: "checkbox", "aria-label": label,
+    const box = h("input", { type: "checkbox", ariaLabel: label,
       onchange: () => change(box.checked) });
     return { nodes: [box], show: (v) => { box.checked = v; } };
   },
 
   choice(row, label, change) {
-    const buttons = row.choices.map((w) => h("button", { "aria-label": `${label} ${w}`,
+    const buttons = row.choices.map((w) => h("button", { ariaLabel: `${label} ${w}`,
       onclick: () => change(w) }, w));
     return { nodes: [h("div", { className: "segments" }, ...buttons)], show: (v) =>
-      buttons.forEach((b) => b.setAttribute("aria-pressed", b.textContent === v)) };
+      buttons.forEach((b) => { b.ariaPressed = b.textContent === v; }) };
   },
 
   rgb(row, label, change) {
@@ -123,7 +121,7 @@ const makers = {
       n.slider.classList.add(colour);
       return n;
     });
-    const swatch = h("input", { type: "color", "aria-label": label + " colour",
+    const swatch = h("input", { type: "color", ariaLabel: label + " colour",
       title: paint === absorb ? "Colour of white light that crossed the fibre" : "Colour",
       oninput: () => rounded(paint.unhex(swatch.value)) });
     return { nodes: [swatch], lines: parts.map((n) => n.nodes), show(v) {
@@ -145,7 +143,7 @@ const makers = {
 };
 
 const undo = (name, onclick) => h("button", { className: "reset", onclick,
-  title: "Default", "aria-label": "Reset " + name }, "↺");
+  title: "Default", ariaLabel: "Reset " + name }, "↺");
 const UNITS = { deg: "°", "1/radius": "1/r", "file units": "units" };
 
 // act: { set(values), inUse(name) a value for an `auto` one, doc(text),
@@ -164,7 +162,7 @@ export function build(root, schema, act) {
     let value;
     const reset = undo(name, back);
     const unit = auto ? h("button", { className: "auto", title: "Let the renderer choose",
-      onclick: () => change(value === null ? inUse() : null), "aria-label": name + " auto" }, "auto")
+      onclick: () => change(value === null ? inUse() : null), ariaLabel: name + " auto" }, "auto")
       : h("span", { className: "unit", title: row.unit }, UNITS[row.unit] ?? row.unit);
     const node = h("div", { className: "row " + row.type },
       h("span", { className: "name", title: text, ondblclick: back }, name.slice(row.group.length + 1)),
@@ -177,17 +175,17 @@ export function build(root, schema, act) {
       show(v);
       node.classList.toggle("linked", v === null);
       if (auto)
-        unit.setAttribute("aria-pressed", v === null);
+        unit.ariaPressed = v === null;
       reset.disabled = same(v, initial);
     } });
   }
 
   function group({ group: name, title }) {
     const list = h("div", { className: "rows", id: "group-" + name });
-    const head = h("button", { "aria-controls": list.id, onclick: () =>
-      unfold(act.open(name, list.hidden)) }, title);
+    const head = h("button", { onclick: () => unfold(act.open(name, list.hidden)) }, title);
+    head.setAttribute("aria-controls", list.id);
     const unfold = (on) => {
-      head.setAttribute("aria-expanded", on);
+      head.ariaExpanded = on;
       list.hidden = !on;
     };
     const reset = undo(title, () => act.set(Object.fromEntries([...rows]

@@ -13,6 +13,9 @@ const WEIGHT = 40000;      // bytes that the whole page may have
 const profile = mkdtempSync(join(tmpdir(), "glint-browser-"));
 const sleep = (ms) => new Promise((f) => setTimeout(f, ms));
 
+const shots = join(ROOT, "build");
+mkdirSync(shots, { recursive: true });
+
 let failed = 0;
 async function test(name, body) {
   try {
@@ -338,12 +341,30 @@ await test("touch", async () => {
   check(await differ("first", "after") === 0, "key f did not frame the groom");
 });
 
+const elsewhere = (line) => page.evaluate(([at, said]) => { // by another client
+  const s = new WebSocket(at.replace("http", "ws") + "ws");
+  s.onopen = () => s.send(said);
+}, [url, line]);
 await test("edit_of_another_client_shows", async () => {
-  await page.evaluate((at) => {
-    const s = new WebSocket(at.replace("http", "ws") + "ws");
-    s.onopen = () => s.send("set fibre.w_c=21.5");
-  }, url);
+  await change(() => elsewhere("set fibre.w_c=21.5"));
   await until("21.5", async () => await control("fibre.w_c, exact").inputValue() === "21.5");
+});
+
+await test("says_what_the_governor_chose", async () => {
+  const told = async (want) => until("a line like " + want, async () => {
+    const now = await text("governor");
+    return { ok: want.test(now), now };
+  });
+  check(await text("governor") === "", "off, and yet:", await text("governor"));
+  await snap("plain");
+  // of a front that ships with the program: fewer lights, and why
+  await change(() => elsewhere("set quality.budget_ms=1"));
+  await told(/^quality\.budget_ms=1: .*sky\.lights=\d+.* \([a-z :]+\)$/);
+  check(await page.locator("#governor").isVisible(), "not to be seen");
+  await page.screenshot({ path: join(shots, "browser_governor.png") });
+  await change(() => elsewhere("set quality.budget_ms=0"));
+  check(await differ("plain", "after") === 0, "off again, and yet it differs");
+  await told(/^$/);
 });
 
 await test("looks_a_and_b_and_copy", async () => {
@@ -429,8 +450,6 @@ await test("reconnects_by_itself", async () => {
   check(complaints.length === 0, complaints.join("\n"));
 });
 
-const shots = join(ROOT, "build");
-mkdirSync(shots, { recursive: true });
 await page.screenshot({ path: join(shots, "browser.png") });
 
 await test("daemon_ends_in_order", async () => { // with a viewer connected
