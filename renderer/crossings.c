@@ -148,7 +148,7 @@ static int limit_3d(void)
 {
     GLint limit = 0;
     gl.GetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &limit);
-    return limit;
+    return limit - 1; // room for gl_texture_side
 }
 
 static bool fits(const struct crossings *c)
@@ -210,8 +210,9 @@ static void upload_tensor(struct crossings *c, float *const tensor[2])
 {
     gl.CreateTextures(GL_TEXTURE_3D, 2, c->tensor);
     for (int i = 0; i < 2; i++) {
-        gl.TextureStorage3D(c->tensor[i], 1, GL_RGBA32F, c->size[X], c->size[Y],
-                            c->size[Z]);
+        gl.TextureStorage3D(
+            c->tensor[i], 1, GL_RGBA32F, gl_texture_side(c->size[X]),
+            gl_texture_side(c->size[Y]), gl_texture_side(c->size[Z]));
         gl.TextureSubImage3D(c->tensor[i], 0, 0, 0, 0, c->size[X], c->size[Y],
                              c->size[Z], GL_RGBA, GL_FLOAT, tensor[i]);
         gl.TextureParameteri(c->tensor[i], GL_TEXTURE_MIN_FILTER, GL_NEAREST);
@@ -267,25 +268,26 @@ bool crossings_build_grid(struct crossings *c, const struct groom *g,
 
 // How the tiles of so many ways lie: along z first, close in memory to what is
 // looked up with them.  Depends on nothing but their number, or else a lookup's
-// last bit would tell of what was in the atlas before.  Returns for how many
-// there is room then.
-static int lay_tiles(const struct crossings *c, int ways, int tiles[3])
+// last bit would tell of what was in the atlas before.  Returns the atlas's
+// bytes.
+static uint64_t lay_tiles(const struct crossings *c, int ways, int tiles[3])
 {
     const int limit = limit_3d(), count = crossings_ways_tiles(ways);
     const int z = limit / c->size[Z], y = limit / c->size[Y];
     tiles[X] = (count + z * y - 1) / (z * y);
     tiles[Y] = (count + tiles[X] * z - 1) / (tiles[X] * z);
     tiles[Z] = (count + tiles[X] * tiles[Y] - 1) / (tiles[X] * tiles[Y]);
-    return tiles[X] * tiles[Y] * tiles[Z];
+    uint64_t bytes = 4;
+    for (int k = 0; k < 3; k++)
+        bytes *= (uint64_t)gl_texture_side(tiles[k] * c->size[k]);
+    return bytes;
 }
 
 // Of the atlas for so many ways.
 static uint64_t atlas_bytes(const struct crossings *c, int ways)
 {
     int tiles[3];
-    return ways > 0
-               ? 4 * (uint64_t)lay_tiles(c, ways, tiles) * crossings_voxels(c)
-               : 0;
+    return ways > 0 ? lay_tiles(c, ways, tiles) : 0;
 }
 
 static bool has_room(const struct crossings *c, int ways)
@@ -375,7 +377,7 @@ static void fill_block(struct crossings *c, const struct crossings_light *l)
 {
     struct crossings_block *b = c->block;
     for (int k = 0; k < 3; k++)
-        b->texel[k] = 1 / (float)(c->tiles[k] * c->size[k]);
+        b->texel[k] = 1 / (float)gl_texture_side(c->tiles[k] * c->size[k]);
     for (int i = 0; i < (int)b->all[0]; i++)
         fill_tile(c, i);
     for (int j = 0; j < c->stats.lights; j++) {
@@ -392,13 +394,15 @@ static void fill_block(struct crossings *c, const struct crossings_light *l)
 static bool make_atlas(struct crossings *c, struct error *err)
 {
     int tiles[3];
-    const int room = lay_tiles(c, c->stats.ways, tiles);
+    const uint64_t bytes = lay_tiles(c, c->stats.ways, tiles);
     if (c->atlas && memcmp(tiles, c->tiles, sizeof tiles) == 0)
         return true;
     gl.DeleteTextures(1, &c->atlas);
     gl.CreateTextures(GL_TEXTURE_3D, 1, &c->atlas);
-    gl.TextureStorage3D(c->atlas, 1, GL_RGBA8, tiles[X] * c->size[X],
-                        tiles[Y] * c->size[Y], tiles[Z] * c->size[Z]);
+    gl.TextureStorage3D(c->atlas, 1, GL_RGBA8,
+                        gl_texture_side(tiles[X] * c->size[X]),
+                        gl_texture_side(tiles[Y] * c->size[Y]),
+                        gl_texture_side(tiles[Z] * c->size[Z]));
     gl.TextureParameteri(c->atlas, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     gl.TextureParameteri(c->atlas, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     gl.TextureParameteri(c->atlas, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
@@ -406,7 +410,7 @@ static bool make_atlas(struct crossings *c, struct error *err)
     gl.TextureParameteri(c->atlas, GL_TEXTURE_WRAP_R, GL_CLAMP_TO_EDGE);
     gl.ObjectLabel(GL_TEXTURE, c->atlas, -1, "crossings");
     memcpy(c->tiles, tiles, sizeof tiles);
-    c->stats.ways_bytes = 4 * (uint64_t)room * crossings_voxels(c);
+    c->stats.ways_bytes = bytes;
     if (gl_check("the shadows' directions", err))
         return true;
     forget_ways(c);

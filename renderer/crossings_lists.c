@@ -216,8 +216,8 @@ static bool fill(unsigned buffer, const void *data, size_t bytes,
                  struct watch *watch)
 {
     const size_t most = (size_t)4 << 20;
-    gl.NamedBufferStorage(buffer, (GLsizeiptr)bytes, NULL,
-                          GL_DYNAMIC_STORAGE_BIT);
+    gl.NamedBufferStorage(buffer, (GLsizeiptr)gl_texture_buffer_size(bytes),
+                          NULL, GL_DYNAMIC_STORAGE_BIT);
     for (size_t at = 0; at < bytes && !watch_cut(watch); at += most)
         gl.NamedBufferSubData(
             buffer, (GLintptr)at,

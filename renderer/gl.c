@@ -62,9 +62,16 @@ unsigned gl_buffer(uint64_t bytes, const void *data, const char *name)
 
 uint64_t gl_texture_buffer_size(uint64_t n)
 {
-    if ((n >> 8 & 0xff) == 0)
+    while ((n >> 8 & 0xff) == 0 || (n & (n - 1)) == 0)
         n += 256;
-    return (n & (n - 1)) == 0 ? n + 256 : n;
+    return n;
+}
+
+int gl_texture_side(int n)
+{
+    while ((n & (n - 1)) == 0)
+        n++;
+    return n;
 }
 
 void gl_dispatch(uint64_t n)

@@ -136,5 +136,8 @@ void gl_dispatch_spread(uint64_t pieces);
 // machine code once more where such a size is a power of two, or where its bits
 // 8 to 15 are zero (which it takes for a count of mip levels): none is ever so.
 uint64_t gl_texture_buffer_size(uint64_t n);
+// As well for the side of a texture that depends on the scene or on a choice:
+// the least from n > 0 on that is no power of two.
+int gl_texture_side(int n);
 
 #endif

@@ -23,7 +23,8 @@ static bool upload(unsigned *buffer, const void *data, size_t size,
                          "%s: %zu bytes are more than this device's limit of "
                          "%lld bytes a buffer",
                          name, size, (long long)limit);
-    *buffer = gl_buffer(size, data, name);
+    *buffer = gl_buffer(gl_texture_buffer_size(size), NULL, name);
+    gl.NamedBufferSubData(*buffer, 0, (GLsizeiptr)size, data);
     return gl_check(name, err);
 }
 

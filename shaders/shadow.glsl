@@ -22,7 +22,7 @@ const uint SHADOW_LIGHTS = 200u, SHADOW_WAYS = 1024u;
 layout(std140, binding = 5) uniform Crossings {
     vec4 shadow_box;     // corner of the grid; 1 / voxel
     vec4 shadow_size;    // voxels
-    vec4 shadow_texel;   // 1 / atlas size; opacity of all strands
+    vec4 shadow_texel;   // 1 / the atlas's sides; opacity of all strands
     vec4 shadow_head;    // centre; w = 1 where there is a head
     vec4 shadow_inverse; // 1 / the head's radii; reach of rays, cells
     vec4 shadow_cells;   // of the lists of fibres; cells a voxel

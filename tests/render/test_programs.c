@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "renderer/egl.h"
+#include "renderer/gl.h"
 #include "renderer/program_pool.h"
 #include "tests/check.h"
 
@@ -71,11 +72,30 @@ static void room(void)
     CHECK(program_pool_has(defines));
 }
 
+static void sides(void)
+{
+    check_case("sides and sizes of textures are no powers of two");
+    for (int n = 1; n < 5000; n++) {
+        const int side = gl_texture_side(n);
+        CHECK(side >= n && side <= n + 2 && (side & (side - 1)) != 0);
+    }
+    for (uint64_t n = 1; n < 200000; n += 7) {
+        const uint64_t size = gl_texture_buffer_size(n);
+        CHECK(size >= n && size <= n + 512 && (size & (size - 1)) != 0);
+        CHECK((size >> 8 & 0xff) != 0);
+    }
+    for (int k = 4; k < 40; k++) {
+        const uint64_t size = gl_texture_buffer_size((uint64_t)1 << k);
+        CHECK((size & (size - 1)) != 0 && (size >> 8 & 0xff) != 0);
+    }
+}
+
 int main(void)
 {
     struct error err = {0};
     struct egl *e = egl_create(&err);
     CHECK(e != NULL);
+    sides();
     pool();
     room();
     check_case("each context has its own");
