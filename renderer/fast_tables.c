@@ -233,7 +233,7 @@ static void fill(struct fast_tables *t)
                       t->buffer[CELLS]);
     program_use(t->values);
     gl.ProgramUniform1ui(t->values, TERMS_LOCATION, (GLuint)t->terms);
-    gl_dispatch(FAST_TABLES_CELLS / 4);
+    gl_dispatch_spread(FAST_TABLES_CELLS / 4 / 64); // narrow lights take longer
     gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     program_use(t->pack);
     gl_dispatch(FAST_TABLES_CELLS);

@@ -356,11 +356,11 @@ static bool make_far(struct lit_tables *t, struct error *err)
     bind_output(t, CELLS_BINDING, CELLS);
     if (!program_of(t, FAR_VALUES + (t->fibre.opaque ? 1 : 0), err))
         return false;
-    gl_dispatch(columns);
+    gl_dispatch_spread((columns + GROUP - 1) / GROUP);
     gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     if (!program_of(t, FAR_PACK, err))
         return false;
-    gl_dispatch(columns);
+    gl_dispatch_spread((columns + GROUP - 1) / GROUP);
     gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT |
                      GL_SHADER_STORAGE_BARRIER_BIT);
     t->far_stale = false;

@@ -3,6 +3,7 @@
 // cells: cosine series in Phi.  A light multiplies the coefficients of a fibre
 // by those of its circular Gaussian.  Four Phi an invocation.
 #include "fast_size.glsl"
+#include "spread.glsl"
 layout(local_size_x = 64) in;
 layout(binding = 17) uniform samplerBuffer coefficient;
 layout(binding = 18) uniform samplerBuffer factor;
@@ -14,7 +15,7 @@ const uint FACTORS = 64u; // a slice's: their number comes after them
 
 void main()
 {
-    uint i = gl_GlobalInvocationID.x;
+    uint i = spread_piece() * 64u + gl_LocalInvocationID.x;
     if (i >= FAST_CELLS / 4u)
         return;
     uint quad = i % QUADS, d = i / QUADS % D, slice = i / (QUADS * D);

@@ -5,6 +5,7 @@
 #define LIT_WRITTEN
 #include "lit.glsl"
 #include "lit_far_column.glsl"
+#include "spread.glsl"
 layout(local_size_x = 64) in;
 layout(binding = 23) uniform samplerBuffer lit_value;
 layout(std430, binding = 15) writeonly buffer Cells { uvec4 cells[]; };
@@ -27,7 +28,8 @@ uint bytes(vec3 v, float d) { return bytes(v.x, v.y, v.z, d); }
 
 void main()
 {
-    LitFarColumn c = lit_far_column(gl_GlobalInvocationID.x);
+    LitFarColumn c = lit_far_column(spread_piece() * 64u +
+                                    gl_LocalInvocationID.x);
     if (!c.real)
         return;
     const int P = int(LIT_FAR_P), D = int(LIT_FAR_D), row = D * P;

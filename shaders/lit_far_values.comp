@@ -8,12 +8,14 @@
 #define LIT_WRITTEN
 #include "lit.glsl"
 #include "lit_far_column.glsl"
+#include "spread.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 12) writeonly buffer Values { vec4 value[]; };
 
 void main()
 {
-    LitFarColumn c = lit_far_column(gl_GlobalInvocationID.x);
+    LitFarColumn c = lit_far_column(spread_piece() * 64u +
+                                    gl_LocalInvocationID.x);
     if (!c.real)
         return;
     Fibre f = Fibre(fibre_eta, fibre_sigma_a, fibre_a,
