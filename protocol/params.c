@@ -62,6 +62,23 @@ const char *const params_group_titles[PARAMS_GROUPS] = {
 };
 #undef GROUP
 
+#define GROUP(g, title)
+#define NEEDS(g, n, what) {AT(g, n), what},
+static const struct {
+    size_t offset;
+    const char *what;
+} needs[] = {
+#include "protocol/params.def"
+};
+
+const char *params_needs(const struct params_row *row)
+{
+    for (size_t i = 0; i < sizeof needs / sizeof needs[0]; i++)
+        if (needs[i].offset == row->offset)
+            return needs[i].what;
+    return NULL;
+}
+
 static bool is_integer(const struct params_row *row)
 {
     return row->type == PARAMS_INT || row->type == PARAMS_BOOL ||

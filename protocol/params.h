@@ -94,6 +94,10 @@ void params_defaults(struct params *p);
 // The row of "group.name", or NULL.
 const struct params_row *params_find(const char *name, size_t length);
 
+// What the parameter needs to move the picture, as NEEDS in params.def has it:
+// "render.scheme=paper or render.multiple=paper|best"; NULL: nothing.
+const char *params_needs(const struct params_row *row);
+
 // Component i (0..count-1) as a double; NaN when the value is `auto`.
 double params_get(const struct params *p, const struct params_row *row, int i);
 // Stores without checking; integers are rounded.

@@ -42,10 +42,43 @@ void schema_value(struct json *j, const struct params *p,
     }
 }
 
+// The row's doc, and what it needs.
+static void put_doc(struct buf *out, const struct params_row *row)
+{
+    const char *needs = params_needs(row);
+    buf_text(out, row->doc);
+    if (needs)
+        buf_printf(out, ". Only with %s", needs);
+}
+
+// [["render.scheme","paper"],["sun1.strength"]]: any of them.
+static void needs_json(struct json *j, const struct params_row *row)
+{
+    const char *at = params_needs(row);
+    json_open_array(j);
+    while (at && *at) {
+        const size_t name = strcspn(at, "= ");
+        const struct span key = {(const unsigned char *)at, name};
+        at += name;
+        do {
+            json_open_array(j);
+            json_span(j, key);
+            if (*at == '=' || *at == '|') {
+                const size_t word = strcspn(++at, "| ");
+                json_span(j, (struct span){(const unsigned char *)at, word});
+                at += word;
+            }
+            json_close_array(j);
+        } while (*at == '|');
+        at += strncmp(at, " or ", 4) == 0 ? 4 : strlen(at);
+    }
+    json_close_array(j);
+}
+
 static void row_json(struct json *j, const struct params *defaults,
                      const struct params_row *row)
 {
-    struct buf name = {0};
+    struct buf name = {0}, doc = {0};
     buf_printf(&name, "%s.%s", row->group_name, row->name);
     json_open_object(j);
     json_key(j, "name");
@@ -64,9 +97,14 @@ static void row_json(struct json *j, const struct params *defaults,
         json_span(j, edit_choice(row, i));
     json_close_array(j);
     json_put_bool(j, "auto", row->has_auto);
-    json_put_string(j, "doc", row->doc);
+    json_key(j, "needs");
+    needs_json(j, row);
+    put_doc(&doc, row);
+    json_key(j, "doc");
+    json_span(j, (struct span){doc.data, doc.size});
     json_close_object(j);
     buf_finish(&name);
+    buf_finish(&doc);
 }
 
 void schema_params(struct json *j)
@@ -109,11 +147,14 @@ static void table_row(struct buf *out, const struct params *defaults,
     buf_text(out, "` | ");
     legal(out, row, "");
     buf_printf(out, " | %s | ", row->unit);
-    for (const char *c = row->doc; *c; c++) {
-        if (*c == '|')
+    struct buf doc = {0};
+    put_doc(&doc, row);
+    for (size_t i = 0; i < doc.size; i++) {
+        if (doc.data[i] == '|')
             buf_byte(out, '\\');
-        buf_byte(out, (unsigned char)*c);
+        buf_byte(out, doc.data[i]);
     }
+    buf_finish(&doc);
     buf_text(out, " |\n");
 }
 
@@ -188,8 +229,12 @@ static void heading(struct buf *out, const char *title)
 void schema_help(struct buf *out, const struct params_row *row)
 {
     heading(out, params_group_titles[row->group]);
+    struct buf doc = {0};
     summary(out, row);
-    wrapped(out, row->doc, 4);
+    put_doc(&doc, row);
+    buf_byte(&doc, 0);
+    wrapped(out, (char *)doc.data, 4);
+    buf_finish(&doc);
 }
 
 void schema_help_all(struct buf *out)

@@ -144,6 +144,7 @@ async function begin() {
   if (text !== schema) {
     defaults = Object.fromEntries(params.map((p) => [p.name, p.auto ? null : p.default]));
     panel = build($("groups"), params, { set, open, inUse: (name) => used[name],
+      holds: ([name, word]) => word ? values[name] === word : values[name],
       doc: (doc) => put("doc", doc) });
     schema = text;
   }

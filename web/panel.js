@@ -146,7 +146,7 @@ const undo = (name, onclick) => h("button", { className: "reset", onclick,
   title: "Default", ariaLabel: "Reset " + name }, "↺");
 const UNITS = { deg: "°", "1/radius": "1/r", "file units": "units" };
 
-// act: { set(values), inUse(name) a value for an `auto` one, doc(text),
+// act: { set(values), inUse(name) a value for an `auto` one, doc(text), holds([name, word]),
 // open(group, true or false or undefined) remembers and tells }
 export function build(root, schema, act) {
   const rows = new Map(), groups = new Map();
@@ -170,7 +170,7 @@ export function build(root, schema, act) {
     node.onpointerenter = () => act.doc(text);
     node.addEventListener("focusin", node.onpointerenter);
     list.append(node);
-    rows.set(name, { node, initial, show(v) {
+    rows.set(name, { node, initial, needs: row.needs, show(v) {
       value = v;
       show(v);
       node.classList.toggle("linked", v === null);
@@ -206,6 +206,8 @@ export function build(root, schema, act) {
     show(values) {
       for (const [name, value] of Object.entries(values))
         rows.get(name)?.show(value);
+      for (const { node, needs } of rows.values())
+        node.classList.toggle("idle", !!needs[0] && !needs.some(act.holds));
       for (const { list, reset } of groups.values())
         reset.disabled = !list.querySelector(".reset:enabled");
     },

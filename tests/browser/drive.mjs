@@ -367,6 +367,19 @@ await test("says_what_the_governor_chose", async () => {
   await told(/^$/);
 });
 
+await test("what_moves_nothing_is_dim", async () => {
+  const dim = async (name) => +await control(name).evaluate((e) =>
+    getComputedStyle(e.closest(".row")).opacity) < 1;
+  check(await dim("fibre.k_g"), "k_g is of a reference alone");
+  check(await dim("fibre.d_f"), "d_f, without multiple scattering");
+  check(!await dim("fibre.eta"), "eta");
+  await change(() => elsewhere("set render.multiple=best shadow.method=crossings"));
+  check(!await dim("fibre.d_f"), "d_f, with multiple scattering");
+  check(await dim("fibre.k_g"), "k_g still is");
+  await change(() => elsewhere("set render.multiple=off"));
+  check(await dim("fibre.d_f"), "d_f, without it again");
+});
+
 await test("looks_a_and_b_and_copy", async () => {
   const eta = control("fibre.eta, exact");
   await page.click("#ab");

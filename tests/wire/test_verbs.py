@@ -46,6 +46,18 @@ def schema_and_get(d):
             true(r["default"] in r["choices"], r["name"])
         if r["auto"]:
             equal(r["default"], "auto", r["name"])
+        for name, *word in r["needs"]:
+            need = [x for x in rows if x["name"] == name]
+            true(need or name.startswith("--"), r["name"])
+            true(not need or word == [] or word[0] in need[0]["choices"],
+                 r["name"])
+    by_name = {r["name"]: r for r in rows}
+    equal(by_name["fibre.eta"]["needs"], [], "eta needs nothing")
+    equal(by_name["render.m"]["needs"],
+          [["render.scheme", "paper"], ["render.multiple", "paper"]], "any of two")
+    equal(by_name["sun1.colour"]["needs"], [["sun1.strength"]], "a number")
+    true(by_name["view.colour"]["doc"].endswith(
+        "Only with view.background=colour"), "said in words")
     got = c.ask("get fibre.eta camera")["values"]
     equal(set(got), {"fibre.eta", "camera.eye", "camera.target", "camera.up",
                      "camera.fov"}, "a name and a group")
