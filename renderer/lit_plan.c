@@ -215,10 +215,8 @@ static void plan_far(struct lit_plan *plan, const struct lit_fibre *f,
 {
     struct lit_block *const b = &plan->block;
     const double w = narrowest(f);
-    double least = 1;
-    for (int j = 0; j < l->count; j++)
-        least = fmin(least, (double)l->lambda[j]);
-    const double first = log(fmax(least, far_least));
+    const double least = fmin(fmax((double)l->least, far_least), 1);
+    const double first = log(least);
     const double slices = ceil((log(far_most) - first) * far_log);
     const double finest = hypot(w, exp(first + 0.5 / far_log));
     const uint32_t rows = rows_for(2 * pi / (far_widths * finest));
@@ -282,8 +280,10 @@ struct lit_lights lit_plan_apart(const float *lambda, int count)
     l.count = count;
     l.bytes = UINT64_MAX;
     l.apart = true;
+    l.least = 1;
     for (int j = 0; j < count; j++) {
         l.lambda[j] = lambda[j];
+        l.least = fminf(l.least, lambda[j]);
         l.share[j] = 1;
     }
     return l;

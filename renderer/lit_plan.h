@@ -38,6 +38,7 @@ struct lit_lights {
     int count; // to LIT_PLAN_LIGHTS
     // of each: its width; what it holds of all light, 1 on average
     float lambda[LIT_PLAN_LIGHTS], share[LIT_PLAN_LIGHTS];
+    float least;    // the narrowest that light scattered forward starts from
     uint64_t bytes; // that the tables may take on the device
     bool apart;     // each has a table of its own width
 };

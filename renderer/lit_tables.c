@@ -8,11 +8,14 @@
 
 #include "protocol/bytes.h"
 #include "renderer/gl.h"
+#include "renderer/lit_source.h"
 #include "renderer/program.h"
 
 enum {
     LIGHTS = LIT_PLAN_LIGHTS,
     RECORD_BYTES = 16,
+    DIRECT_BYTES = 8,
+    ORDER_BYTES = 8,
     BUFFER_MAX = 128 << 20, // bytes: some drivers end there
     VALUES_BINDING = 12,
     MARKS_BINDING = 13,
@@ -22,13 +25,15 @@ enum {
     VALUES_UNIT = 23,
     RECORDS_UNIT = 24,
     ORDER_UNIT = 25,
+    DIRECT_UNIT = 26,
+    SOURCES_UNIT = 27,
     ORDER_BINS = 4096, // lit_order.comp
     EVERYTHING_LOCATION = 0,
     PLACES_LOCATION = 6, // lit_record.glsl
     GROUP = 64
 };
 enum wanted { NOTHING, MARKED, ALL };
-enum { CELLS, VALUES, WANTED, MARKS, RECORDS, ORDER, BUFFERS };
+enum { CELLS, VALUES, WANTED, MARKS, SOURCES, RECORDS, DIRECT, ORDER, BUFFERS };
 enum {
     NEAR_VALUES,
     FAR_VALUES = 4,
@@ -41,7 +46,8 @@ enum {
     PROGRAMS
 };
 static const unsigned format[BUFFERS] = {GL_RGBA32UI, GL_RGBA32F,  GL_R32UI,
-                                         GL_R32UI,    GL_RGBA32UI, GL_R32UI};
+                                         GL_R32UI,    GL_RGBA32UI, GL_RGBA32UI,
+                                         GL_RG32UI,   GL_RG32UI};
 
 struct lit_tables {
     struct lit_fibre fibre;
@@ -50,7 +56,9 @@ struct lit_tables {
     struct lit_lights lights;
     unsigned made;   // the order of records
     uint32_t places; // with records
-    bool planned;    // plan is of this fibre and these lights
+    uint32_t groups;
+    bool planned;     // plan is of this fibre and these lights
+    unsigned sourced; // the lights that sources and groups are of
     bool near_stale, far_stale, marked, recorded;
     enum wanted wanted; // what `wanted` holds
     unsigned buffer[BUFFERS], texture[BUFFERS], uniform;
@@ -79,6 +87,8 @@ void lit_tables_fibre(struct lit_tables *t, const struct lit_fibre *f)
 {
     if (t->known && same(&t->fibre, f))
         return;
+    if (f->multiple && !t->fibre.multiple) // records lack what it needs
+        lit_tables_forget(t);
     t->fibre = *f;
     t->known = true;
     t->planned = false;
@@ -108,13 +118,15 @@ static void drop(struct lit_tables *t, int i)
     gl.DeleteBuffers(1, &t->buffer[i]);
     t->texture[i] = t->buffer[i] = 0;
     t->bytes[i] = 0;
-    if (i == RECORDS || i == ORDER)
+    if (i >= RECORDS)
         t->recorded = false;
+    if (i == SOURCES)
+        t->sourced = 0;
 }
 
 static uint64_t most_of(const struct lit_tables *t, int i)
 {
-    return i == RECORDS && t->lights.bytes < BUFFER_MAX ? t->lights.bytes
+    return i >= RECORDS && t->lights.bytes < BUFFER_MAX ? t->lights.bytes
                                                         : BUFFER_MAX;
 }
 
@@ -127,9 +139,9 @@ static uint64_t with_slack(uint64_t bytes, uint64_t most)
 
 static bool grow(struct lit_tables *t, int i, uint64_t bytes, struct error *err)
 {
-    static const char *const name[BUFFERS] = {"lit cells",   "lit values",
-                                              "lit wanted",  "lit marks",
-                                              "lit records", "lit order"};
+    static const char *const name[BUFFERS] = {
+        "lit cells",   "lit values",  "lit wanted", "lit marks",
+        "lit sources", "lit records", "lit direct", "lit order"};
     const uint32_t zero = 0;
     if (t->bytes[i] >= bytes)
         return true;
@@ -172,27 +184,20 @@ static bool make_room(struct lit_tables *t, const struct lit_plan *p,
                 err);
 }
 
-bool lit_tables_lights(struct lit_tables *t, const struct lit_lights *l,
-                       struct error *err)
+// The shapes of all that is made.
+static bool plan(struct lit_tables *t, const struct lit_lights *of,
+                 struct error *err)
 {
-    if (t->planned && memcmp(&t->lights, l, sizeof *l) == 0)
-        return true;
     struct lit_plan plan;
     const struct lit_block *const b = &plan.block;
-    if (memcmp(&t->lights, l, sizeof *l) != 0)
+    if (memcmp(&t->lights, of, sizeof *of) != 0)
         t->near_stale = t->far_stale = true;
-    for (int i = 0; i < BUFFERS && l->bytes < t->lights.bytes; i++)
+    for (int i = 0; i < BUFFERS && of->bytes < t->lights.bytes; i++)
         drop(t, i); // they may be larger than is allowed now
-    t->lights = *l;
-    lit_plan_make(&plan, &t->fibre, l);
+    t->lights = *of;
+    lit_plan_make(&plan, &t->fibre, of);
     if (!make_room(t, &plan, err))
         return false;
-    if (!t->uniform) {
-        gl.CreateBuffers(1, &t->uniform);
-        gl.NamedBufferStorage(t->uniform, sizeof *b, NULL,
-                              GL_DYNAMIC_STORAGE_BIT);
-        gl.ObjectLabel(GL_BUFFER, t->uniform, -1, "lit block");
-    }
     if (memcmp(b->light, t->plan.block.light, sizeof b->light) != 0) {
         t->marked = false;
         t->wanted = NOTHING;
@@ -202,6 +207,37 @@ bool lit_tables_lights(struct lit_tables *t, const struct lit_lights *l,
     t->plan = plan;
     t->planned = true;
     return true;
+}
+
+// What the loops read, of lights that are where and what they were told to be.
+static bool put_sources(struct lit_tables *t, const struct lights *l,
+                        struct error *err)
+{
+    struct lit_sources sources;
+    struct lit_groups groups;
+    if (!grow(t, SOURCES, sizeof sources, err))
+        return false;
+    lit_source_lights(&sources, l, &t->plan);
+    lit_source_groups(&groups, l);
+    gl.NamedBufferSubData(t->buffer[SOURCES], 0, sizeof sources, &sources);
+    gl.NamedBufferSubData(t->uniform, sizeof(struct lit_block), sizeof groups,
+                          &groups);
+    t->sourced = l->made;
+    t->groups = groups.count[0];
+    return true;
+}
+
+bool lit_tables_lights(struct lit_tables *t, const struct lit_lights *of,
+                       const struct lights *l, struct error *err)
+{
+    const bool planned = t->planned && memcmp(&t->lights, of, sizeof *of) == 0;
+    if (planned && t->sourced == l->made)
+        return true;
+    if (!t->uniform)
+        t->uniform =
+            gl_buffer(sizeof(struct lit_block) + sizeof(struct lit_groups),
+                      NULL, "lit block");
+    return (planned || plan(t, of, err)) && put_sources(t, l, err);
 }
 
 const struct lit_plan *lit_tables_plan(const struct lit_tables *t)
@@ -219,6 +255,7 @@ void lit_tables_read(const struct lit_tables *t, unsigned program)
     if (t->places == 0)
         return;
     gl.BindTextureUnit(RECORDS_UNIT, t->texture[RECORDS]);
+    gl.BindTextureUnit(DIRECT_UNIT, t->texture[DIRECT]);
     gl.BindTextureUnit(ORDER_UNIT, t->texture[ORDER]);
     gl.ProgramUniform1ui(program, PLACES_LOCATION, t->places);
 }
@@ -274,6 +311,11 @@ static bool sort_places(struct lit_tables *t, uint32_t places, unsigned bins,
     return true;
 }
 
+static void bind_output(const struct lit_tables *t, unsigned binding, int i)
+{
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, t->buffer[i]);
+}
+
 static void clear(unsigned buffer)
 {
     const uint32_t zero = 0;
@@ -283,15 +325,17 @@ static void clear(unsigned buffer)
 
 bool lit_tables_keep(struct lit_tables *t, uint32_t places, struct error *err)
 {
-    const uint64_t lights = (uint64_t)t->lights.count;
-    const uint64_t bytes = places * lights * RECORD_BYTES;
-    t->places = bytes <= most_of(t, RECORDS) ? places : 0;
+    const uint64_t groups = t->fibre.multiple ? t->groups : 0;
+    const uint64_t far = places * groups * RECORD_BYTES;
+    const uint64_t near = places * (uint64_t)t->lights.count * DIRECT_BYTES;
+    const uint64_t most = most_of(t, RECORDS);
+    t->places = far + near <= most ? places : 0;
     t->recorded = false;
     if (t->places == 0)
         return true;
     // the marks' buffer serves for the bins
-    if (!grow(t, RECORDS, bytes, err) ||
-        !grow(t, ORDER, 4 * (uint64_t)places, err))
+    if (!grow(t, RECORDS, far + 16, err) || !grow(t, DIRECT, near + 16, err) ||
+        !grow(t, ORDER, (uint64_t)places * ORDER_BYTES, err))
         return false;
     clear(t->buffer[MARKS]);
     return sort_places(t, places, t->buffer[MARKS], err);
@@ -301,20 +345,16 @@ void lit_tables_mark(struct lit_tables *t, unsigned program, unsigned made)
 {
     clear(t->buffer[MARKS]);
     gl.BindBufferBase(GL_UNIFORM_BUFFER, LIT_TABLES_BINDING, t->uniform);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, MARKS_BINDING,
-                      t->buffer[MARKS]);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, RECORDS_BINDING,
-                      t->buffer[RECORDS]);
+    gl.BindTextureUnit(SOURCES_UNIT, t->texture[SOURCES]);
+    bind_output(t, MARKS_BINDING, MARKS);
+    bind_output(t, RECORDS_BINDING, RECORDS);
+    bind_output(t, VALUES_BINDING, DIRECT);
+    bind_output(t, CELLS_BINDING, ORDER);
     lit_tables_read(t, program);
     t->marked = true;
     t->recorded = t->places > 0;
     t->made = made;
     t->wanted = NOTHING;
-}
-
-static void bind_output(const struct lit_tables *t, unsigned binding, int i)
-{
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, t->buffer[i]);
 }
 
 static bool choose(struct lit_tables *t, enum wanted wanted, struct error *err)
@@ -381,6 +421,7 @@ bool lit_tables_make(struct lit_tables *t, bool all, struct error *err)
     if (t->plan.far_cells > 0 && t->far_stale && !make_far(t, err))
         return false;
     gl.BindTextureUnit(LIT_TABLES_UNIT, t->texture[CELLS]);
+    gl.BindTextureUnit(SOURCES_UNIT, t->texture[SOURCES]);
     return true;
 }
 

@@ -18,6 +18,7 @@
 #include <stdint.h>
 
 #include "protocol/error.h"
+#include "renderer/lights.h"
 #include "renderer/lit_plan.h"
 
 enum {
@@ -39,9 +40,10 @@ struct lit_tables *lit_tables_create(void);
 void lit_tables_fibre(struct lit_tables *t, const struct lit_fibre *f);
 
 // Thread: render, from here on.
-// False when there is no memory for the buffers.
-bool lit_tables_lights(struct lit_tables *t, const struct lit_lights *l,
-                       struct error *err);
+// Their tables' shape by `of`, the rest from `l`, whose order `of` has.  False
+// when there is no memory for the buffers.
+bool lit_tables_lights(struct lit_tables *t, const struct lit_lights *of,
+                       const struct lights *l, struct error *err);
 
 // How many tables there are, and which lights have none (lit_plan.h).
 const struct lit_plan *lit_tables_plan(const struct lit_tables *t);

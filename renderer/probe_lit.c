@@ -123,7 +123,7 @@ bool probe_lit_lights(struct probe_lit *p, const float *lambda, int count,
     static struct sky_fit sky;
     struct params all;
     params_defaults(&all);
-    all.quality.light_bound = 0;
+    all.quality.light_bound = all.quality.group_deg = 0;
     sky.count = count;
     for (int i = 0; i < count; i++)
         sky.light[i] = (struct sky_light){
@@ -134,7 +134,8 @@ bool probe_lit_lights(struct probe_lit *p, const float *lambda, int count,
     lights_put(&p->lights, &sky, &all);
     lights_tint(&p->lights, &sky, &all, false);
     const struct lit_lights apart = lit_plan_apart(lambda, count);
-    return bind_inputs(p, err) && lit_tables_lights(p->lit, &apart, err) &&
+    return bind_inputs(p, err) &&
+           lit_tables_lights(p->lit, &apart, &p->lights, err) &&
            lit_tables_make(p->lit, true, err);
 }
 

@@ -64,7 +64,7 @@ struct renderer_stats {
     bool refined; // this picture's shadows are being made by real rays
     int shadow_resolution, shadow_directions; // in use; 0: no shadows
     double shadow_grid_ms, shadow_sweep_ms;   // of the last build
-    struct renderer_left_out left_out[12];
+    struct renderer_left_out left_out[14];
     int left_out_count;
     float diameter;          // in use, file units (see hair.diameter)
     double strand_pixels;    // how wide that is at the camera's target

@@ -61,6 +61,14 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
                  dropped, r->lights.fitted);
         leave_out(s, "lights", r->lights.dropped_share, why);
     }
+    if (r->shading.tabled && r->shading.whole && r->shading.multiple &&
+        r->lights.groups < r->lights.used) {
+        snprintf(why, sizeof why,
+                 "%d lights are %d for what other fibres scatter forward: "
+                 "radians moved, rms",
+                 r->lights.used, r->lights.groups);
+        leave_out(s, "lights_apart", r->lights.spread, why);
+    }
     if (!r->shading.shadowed)
         leave_out(s, "shadows", 0, "shadow.method is off, or nothing shines");
     else if (r->params.shadow.rays == 0)

@@ -332,7 +332,9 @@ static bool mark_places(struct shading *s, const struct strands *strands,
 {
     char words[SHADING_DEFINES];
     snprintf(words, sizeof words, "%s", defines);
-    add(words, lit_tables_recorded(s->lit, how->made) ? MARK : MARK " LIT_NEW");
+    const bool anew =
+        lit_tables_kept(s->lit) > 0 && !lit_tables_recorded(s->lit, how->made);
+    add(words, anew ? MARK " LIT_NEW" : MARK);
     const unsigned program = program_of(s, words, err);
     if (!program)
         return false;
@@ -357,11 +359,14 @@ static bool plan_lit(struct shading *s, const struct shading_sample *how,
     memset(&of, 0, sizeof of);
     of.count = l->used;
     of.bytes = how->lit_bytes;
+    of.least = 1;
+    for (int i = 0; i < l->groups; i++)
+        of.least = fminf(of.least, l->group[i].lambda);
     for (int j = 0; j < l->used; j++) {
         of.lambda[j] = l->place[j].lambda;
         of.share[j] = l->place[j].share;
     }
-    return lit_tables_lights(s->lit, &of, err);
+    return lit_tables_lights(s->lit, &of, l, err);
 }
 
 // Marks and records where it pays to make them, and what to define.

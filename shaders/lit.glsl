@@ -21,7 +21,25 @@ layout(std140, binding = 9) uniform Lit {
     uvec4 lit_light[200];
     uvec4 lit_rest[50]; // those lights, four a row
     uvec4 lit_table[200]; // the same of tables, which several lights may share
+    uvec4 lit_groups; // how many groups of lights (lit_source.h)
+    // lights group by group: the light; its weight (float); at a group's last one:
+    // the group + 1
+    uvec4 lit_member[200];
+    vec4 lit_axis[200]; // of groups: direction, lambda
 };
+
+// A light's table, as one number has it (lit_source.c).
+struct LitTable {
+    float per_s, phis; // cells a radian of s; over |Phi|
+    int first;         // cell
+};
+
+LitTable lit_unpack(uint bits)
+{
+    return LitTable(float(bits >> 4u & 1023u) * LIT_ROWS,
+                    float((bits & 15u) * 4u),
+                    int(bits >> 14u) * int(4.0 * LIT_D));
+}
 
 struct LitAt {
     int cell; // within a table
@@ -57,14 +75,17 @@ LitAt lit_at(vec3 at, vec2 size)
 uint lit_phis(uvec4 light) { return light.y & 0xffffu; }
 
 // view: lit_view(theta_o).
-vec3 lit_place(uvec4 light, float s, float view, float across)
+vec3 lit_place(LitTable t, float s, float view, float across)
 {
-    return vec3((s + LIT_PI) * uintBitsToFloat(light.x), view * LIT_D,
-                across * float(lit_phis(light)));
+    return vec3((s + LIT_PI) * t.per_s, view * LIT_D, across * t.phis);
 }
 
 #ifndef LIT_WRITTEN
 layout(binding = 21) uniform usamplerBuffer lit_cells;
+// What a turn of the loops over lights needs, which from the block would cost
+// more: a light's table and its radiance; after 200 of those the groups, lambda
+// and flux.
+layout(binding = 27) uniform usamplerBuffer lit_source;
 
 vec4 lit_bytes(uint bits)
 {
@@ -88,17 +109,14 @@ bool lit_over(vec2 cell, float per_s, float views)
 bvec4 lit_full(vec4 bytes) { return greaterThanEqual(abs(bytes), vec4(126.5)); }
 #endif
 
-vec3 lit_near(uvec4 light, float s, float view, float across)
+vec3 lit_near(LitTable t, float s, float view, float across)
 {
-    LitAt a = lit_at(lit_place(light, s, view, across),
-                     vec2(LIT_D, float(lit_phis(light))));
+    vec3 place = lit_place(t, s, view, across);
+    LitAt a = lit_at(place, vec2(LIT_D, t.phis));
     GUARD(GUARD_LIT_EDGE,
-          lit_beyond(lit_place(light, s, view, across),
-                     vec3(light.y >> 16, LIT_D, lit_phis(light))));
-    GUARD(GUARD_LIT_OVER,
-          lit_over(lit_place(light, s, view, across).xy - a.x.xy - 0.5,
-                   uintBitsToFloat(light.x), LIT_D));
-    int at = 2 * (int(light.z) + a.cell);
+          lit_beyond(place, vec3(t.per_s * 2.0 * LIT_PI, LIT_D, t.phis)));
+    GUARD(GUARD_LIT_OVER, lit_over(place.xy - a.x.xy - 0.5, t.per_s, LIT_D));
+    int at = 2 * (t.first + a.cell);
     FastCell f = fast_open(texelFetch(lit_cells, at),
                            texelFetch(lit_cells, at + 1));
     vec3 x = a.x;

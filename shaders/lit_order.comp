@@ -11,7 +11,7 @@
 layout(local_size_x = 64) in;
 layout(location = 0) uniform uint kept;
 layout(location = 6) uniform uint lit_places;
-layout(std430, binding = 12) writeonly buffer Order { uint order[]; };
+layout(std430, binding = 12) writeonly buffer Order { uvec2 order[]; };
 layout(std430, binding = 13) buffer Bins { uint bins[]; };
 const uint SIDE = 64u, BINS = SIDE * SIDE;
 
@@ -57,7 +57,7 @@ void main()
     uint bin = bin_of(place_of(list[dispatch.w + at]));
     uint n = atomicAdd(bins[bin], 1u);
 #if STEP == 2
-    order[n] = at;
+    order[n] = uvec2(at, 0u);
 #endif
 }
 #endif

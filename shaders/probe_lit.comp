@@ -67,15 +67,15 @@ vec3 near_modes(Fibre f, Srbf l, float theta_o, float across)
     return sum;
 }
 
-vec3 near_cells(uint to, uvec4 light, Srbf l, float theta_o, float across)
+vec3 near_cells(uint to, LitTable light, Srbf l, float theta_o, float across)
 {
     float s = theta_o + l.theta, view = lit_view(theta_o);
-    int phis = int(lit_phis(light));
+    int phis = int(light.phis);
     vec3 at = indices(lit_at(lit_place(light, s, view, across),
                              vec2(LIT_D, float(phis))).cell,
                       ivec2(int(LIT_D), phis));
     store(to + NEAR_AT, at);
-    store(to + NEAR_SIZE, vec3(1.0 / uintBitsToFloat(light.x),
+    store(to + NEAR_SIZE, vec3(1.0 / light.per_s,
                                view_size(at.y, LIT_D), LIT_PI / float(phis)));
     return lit_near(light, s, view, across);
 }
@@ -166,9 +166,10 @@ void main()
     Fibre f = fibre_here();
     vec3 near = near_modes(f, l, theta_o, across);
     store(to + 6u, near);
-    if (light.y > 0u) {
+    uint table = texelFetch(lit_source, int(cases[at])).x;
+    if (table != 0u) {
         COUNT_CELLS(f, l, theta_o, vec3(1.0), false, near);
-        near = near_cells(to, light, l, theta_o, across);
+        near = near_cells(to, lit_unpack(table), l, theta_o, across);
         keep_hits(i, true);
     } else {
         store(to + NEAR_AT, vec3(-1.0));

@@ -198,7 +198,7 @@ vec3 shade_seen(Place c, uint at, uint first, uint end)
     h = (h ^ (h >> 15)) * 0x85ebca6bu;
     return vec3(uvec3(h, h >> 8, h >> 16) & 255u) / 255.0;
 #elif defined(LIT)
-    return shade_lit(c, at, first, end);
+    return shade_lit(c, at);
 #elif defined(FAST)
     return shade_fast(c, at, first, end);
 #else

@@ -44,7 +44,60 @@ vec3 lit_rest_of(FastPlace p, Place c, uint at)
 }
 #endif
 
-vec3 shade_lit(Place c, uint at, uint first, uint end)
+// What reaches a place without meeting a fibre, of lights that have a table.
+vec3 lit_reached(FastPlace p, Place c, uint at, float view)
+{
+    vec3 sum = vec3(0.0);
+#ifdef LIT_KEPT
+    uint record = lit_at_record;
+    for (uint k = 0u; k < lit_directs; k++) {
+        LitDirect l = lit_direct_of(texelFetch(lit_direct, int(record)).xy);
+        record += lit_places;
+#else
+    for (uint k = 0u; k < light_count; k++) {
+        uint j = lit_member[k].x;
+        LitDirect l = lit_direct_of(lit_direct_record(
+            fast_light(p, lights[j].place), j, nodes_of(j, c, at)));
+        l.clear = l.clear >= LIT_LEAST ? l.clear : 0.0;
+#endif
+        uvec4 source = texelFetch(lit_source, int(l.light));
+        vec3 seen = lit_near(lit_unpack(source.x), p.theta_o + l.theta_j, view,
+                             l.across);
+#ifdef LIT_REST
+        l.clear = source.x != 0u ? l.clear : 0.0;
+#endif
+        sum += uintBitsToFloat(source.yzw) * (l.clear * seen);
+    }
+    return sum;
+}
+
+#ifdef WITH_MULTIPLE
+// What other fibres scattered forward, a group of lights at a time.
+vec3 lit_forward(FastPlace p, Place c, uint at, float view)
+{
+    LitFar far = lit_far_here();
+    vec3 sum = vec3(0.0);
+    int source = int(lit_light.length());
+#ifdef LIT_KEPT
+    uint record = lit_at_record;
+    for (uint g = lit_groups.x; g > 0u; g--) {
+        LitPair l = lit_pair(texelFetch(lit_records, int(record)));
+        record += lit_places;
+#else
+    uint k = 0u;
+    for (uint g = 0u; g < lit_groups.x; g++) {
+        LitPair l = lit_pair(lit_record(p, lit_axis[g], lit_through(k, c, at)));
+#endif
+        uvec4 from = texelFetch(lit_source, source++);
+        sum += uintBitsToFloat(from.yzw) *
+               lit_scattered(far, l, p.theta_o + l.theta_j, view,
+                             uintBitsToFloat(from.x));
+    }
+    return p.forward * sum;
+}
+#endif
+
+vec3 shade_lit(Place c, uint at)
 {
     vec3 to_eye = normalize(eye.xyz - c.p);
     FastPlace p = FastPlace(c.u, across_of(c, to_eye), 0.0, fibre_here(),
@@ -56,33 +109,9 @@ vec3 shade_lit(Place c, uint at, uint first, uint end)
 #else
     vec3 sum = vec3(0.0);
 #endif
+    return (sum + lit_reached(p, c, at, view)
 #ifdef WITH_MULTIPLE
-    LitFar far = lit_far_here();
+            + lit_forward(p, c, at, view)
 #endif
-#ifdef LIT_KEPT
-    uint record = lit_at_record, apart = lit_places;
-    record += first * apart;
-#endif
-    for (uint j = first; j < end; j++) {
-        uvec4 table = lit_light[j];
-#ifdef LIT_KEPT
-        LitPair l = lit_pair(texelFetch(lit_records, int(record)));
-        record += apart;
-#else
-        LitPair l = lit_pair(lit_record(p, lights[j].place, nodes_of(j, c, at)));
-#endif
-        float s = p.theta_o + l.theta_j;
-        bool direct = l.clear >= LIT_LEAST;
-#ifdef LIT_REST
-        direct = direct && table.y > 0u;
-#endif
-        vec3 seen = direct ? l.clear * lit_near(table, s, view, l.across)
-                           : vec3(0.0);
-#ifdef WITH_MULTIPLE
-        seen += (p.forward * lights[j].radiance.w) *
-                lit_scattered(far, l, s, view, uintBitsToFloat(table.w));
-#endif
-        sum += lights[j].radiance.rgb * seen;
-    }
-    return sum * colour_at(c.segment, c.along);
+            ) * colour_at(c.segment, c.along);
 }

@@ -159,3 +159,9 @@ void lit_cases_direct(const struct lit_sky *sky, const struct dual_tables *dual,
     out[1] = (sky->fibre.opaque ? far[0] : far[0] + far[1] + far[2]) +
              (double)sky->fibre.d_b * far[3];
 }
+
+void lit_cases_plan(const struct lit_sky *sky, struct lit_plan *plan)
+{
+    const struct lit_lights l = lit_plan_apart(sky->lambda, sky->lights);
+    lit_plan_make(plan, &sky->fibre, &l);
+}

@@ -51,4 +51,7 @@ void lit_cases_direct(const struct lit_sky *sky, const struct dual_tables *dual,
                       const float place[PROBE_LIT_INPUTS], int channel,
                       double out[2]);
 
+// The tables' shape, as probe_lit.h has it.
+void lit_cases_plan(const struct lit_sky *sky, struct lit_plan *plan);
+
 #endif

@@ -32,12 +32,6 @@ static bool run(struct probe_lit *p, const float *in, size_t count, float *out)
     return false;
 }
 
-static void plan_of(const struct lit_sky *sky, struct lit_plan *plan)
-{
-    const struct lit_lights l = lit_plan_apart(sky->lambda, sky->lights);
-    lit_plan_make(plan, &sky->fibre, &l);
-}
-
 // --- a cell, in double precision --------------------------------------------
 // theta_o at which a place of the tables, 0 to 1, stands; and back.
 static double view_of(double theta)
@@ -205,7 +199,7 @@ static void cells(struct probe_lit *p)
         struct lit_plan plan;
         if (!put(p, &sky))
             return;
-        plan_of(&sky, &plan);
+        lit_cases_plan(&sky, &plan);
         for (int k = 0; k < PLACES; k++)
             lit_cases_place(&sky, &state, in + IN * k);
         if (!run(p, in, PLACES, out))
@@ -413,7 +407,7 @@ static void ends(struct probe_lit *p)
             sky.lambda[5] = 0.002f; // a sun
         if (!put(p, &sky))
             return;
-        plan_of(&sky, &plan);
+        lit_cases_plan(&sky, &plan);
         for (int k = 0; k < MOST; k++) {
             float *c = in + IN * k;
             c[0] = (float)(k % sky.lights);

@@ -10,7 +10,7 @@ static void base(struct params *p)
     scene_params(p);
     p->hair.diameter = 0.6f;
     p->quality.samples = 4;
-    p->quality.light_bound = 0;
+    p->quality.light_bound = p->quality.group_deg = 0;
     p->shadow.method = 1;
     p->shadow.resolution = 40;
 }

@@ -1,0 +1,35 @@
+// lit_source.h - what the loops over lights read of them
+// (shaders/shade_lit.glsl, lit_record.glsl): of each light its table and what
+// it shines with, and which lights are a group (light_groups.h). Thread: any.
+#ifndef RENDERER_LIT_SOURCE_H
+#define RENDERER_LIT_SOURCE_H
+
+#include "renderer/lights.h"
+#include "renderer/lit_plan.h"
+
+// As shaders/lit.glsl has them: a texel each ...
+struct lit_source_light {
+    uint32_t table; // in one number: lit_table; 0: none
+    float radiance[3];
+};
+struct lit_source_group {
+    float lambda, flux[3];
+};
+struct lit_sources {
+    struct lit_source_light light[LIT_PLAN_LIGHTS];
+    struct lit_source_group group[LIT_PLAN_LIGHTS];
+};
+
+// ... and the uniform block, from lit_groups on.
+struct lit_groups {
+    uint32_t count[4];
+    uint32_t member[LIT_PLAN_LIGHTS][4];
+    float axis[LIT_PLAN_LIGHTS][4];
+};
+
+// Every byte is written.
+void lit_source_lights(struct lit_sources *s, const struct lights *l,
+                       const struct lit_plan *plan);
+void lit_source_groups(struct lit_groups *g, const struct lights *l);
+
+#endif
