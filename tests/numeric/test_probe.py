@@ -179,13 +179,15 @@ def test_errors():
 
 def test_limits_are_legal():
     """Values at the ends of the ranges, rounded as people round them."""
-    for change in ({"theta_o": 1.5708}, {"theta_j": -1.5708}, {"beta_R": 1.0472},
-                   {"w_c": 0.008726}, {"alpha_R": -0.5236}, {"sigma_a": 1000},
-                   {"lambda_j": 0.001}, {"phi_o": 6.2832}, {"eta": 1.05},
-                   {"a": 0.71}, {"a": 1.41}, {"eta": "3."}, {"w_c": ".2"}):
-        for scheme in ("paper", "best", "exact", "fast"):
-            row = values(line(**change), "--scheme", scheme)[0]
-            assert all(math.isfinite(x) and x >= 0 for x in row), change
+    changes = ({"theta_o": 1.5708}, {"theta_j": -1.5708}, {"beta_R": 1.0472},
+               {"w_c": 0.008726}, {"alpha_R": -0.5236}, {"sigma_a": 1000},
+               {"lambda_j": 0.001}, {"phi_o": 6.2832}, {"eta": 1.05},
+               {"a": 0.71}, {"a": 1.41}, {"eta": "3."}, {"w_c": ".2"})
+    for scheme in ("paper", "best", "exact", "fast"):
+        got = values("".join(line(**c) for c in changes), "--scheme", scheme)
+        assert len(got) == len(changes)
+        for row, change in zip(got, changes):
+            assert all(math.isfinite(x) and x >= 0 for x in row), (scheme, change)
 
 
 def main():
