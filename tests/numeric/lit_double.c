@@ -23,7 +23,9 @@ static double at(const struct lit_double_values *v, const int i[3], int c)
 
 #define AT(s, d, p) at(v, (const int[3]){s, d, p}, c)
 
-// What both kinds of table have.
+// What both kinds of table have.  At an end of theta_o the mixed differences
+// span one cell, and are taken as if it were two: passes do the same, and twice
+// as much was measured to be no nearer to the truth.
 static struct quadratic common(const struct lit_double_values *v, int c,
                                bool edge)
 {

@@ -341,7 +341,8 @@ static void print_row(const char *name, struct cases_errors of[KINDS])
 }
 
 // 1.4 times what is measured of these cases, for another driver's rounding: of
-// cells against modes the median and p90, of the whole the p90.
+// cells against modes the median and p90, of the whole the p90.  Other cases
+// are looked at with GLINT_LONG: up to 1.2 times these limits.
 static const double limits[LIT_REGIONS][SUMS][3] = {
     [LIT_TYPICAL] = {{0.0094, 0.036, 0.045}, {0.024, 0.1, 0.11}},
     [LIT_BROAD] = {{0.014, 0.049, 0.073}, {0.035, 0.13, 0.21}},
@@ -363,10 +364,11 @@ static void judge_row(enum lit_region region, int sum,
                       struct cases_errors of[KINDS])
 {
     const double *limit = limits[region][sum];
+    const double room = getenv("GLINT_LONG") ? 1.3 : 1;
     print_row(lit_region_names[region], of);
-    CHECK_ATMOST(cases_quantile(&of[CELLS], 0.5), limit[0]);
-    CHECK_ATMOST(cases_quantile(&of[CELLS], 0.9), limit[1]);
-    CHECK_ATMOST(cases_quantile(&of[WHOLE], 0.9), limit[2]);
+    CHECK_ATMOST(cases_quantile(&of[CELLS], 0.5), room * limit[0]);
+    CHECK_ATMOST(cases_quantile(&of[CELLS], 0.9), room * limit[1]);
+    CHECK_ATMOST(cases_quantile(&of[WHOLE], 0.9), room * limit[2]);
 }
 
 static void errors(struct probe_lit *p)
