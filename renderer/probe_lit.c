@@ -117,25 +117,24 @@ static bool bind_inputs(struct probe_lit *p, struct error *err)
     return true;
 }
 
-bool probe_lit_lights(struct probe_lit *p, const float *lambda, int count,
+bool probe_lit_lights(struct probe_lit *p, const struct lit_lights *lights,
                       struct error *err)
 {
     static struct sky_fit sky;
     struct params all;
     params_defaults(&all);
     all.quality.light_bound = all.quality.group_deg = 0;
-    sky.count = count;
-    for (int i = 0; i < count; i++)
+    sky.count = lights->count;
+    for (int i = 0; i < sky.count; i++)
         sky.light[i] = (struct sky_light){
             .direction = {0, 0, 1},
-            .lambda = (double)lambda[i],
+            .lambda = (double)lights->lambda[i],
             .radiance = {1, 1, 1},
         };
     lights_put(&p->lights, &sky, &all);
     lights_tint(&p->lights, &sky, &all, false);
-    const struct lit_lights apart = lit_plan_apart(lambda, count);
     return bind_inputs(p, err) &&
-           lit_tables_lights(p->lit, &apart, &p->lights, err) &&
+           lit_tables_lights(p->lit, lights, &p->lights, err) &&
            lit_tables_make(p->lit, true, err);
 }
 

@@ -40,10 +40,10 @@ void probe_lit_destroy(struct probe_lit *p); // NULL is allowed
 // values 0).
 void probe_lit_fibre(struct probe_lit *p, const struct lit_fibre *f);
 
-// The lights of a sky, widths lambda, LIT_PLAN_LIGHTS at most: makes all cells
-// of all of them.  A light's cells depend on no other light; the far table
-// begins with the narrowest one.
-bool probe_lit_lights(struct probe_lit *p, const float *lambda, int count,
+// The lights of a sky: makes all cells of all their tables.  Where each has its
+// own (lit_plan_apart) and there is room for all, a light's cells depend on no
+// other light; the far table begins with the narrowest one.
+bool probe_lit_lights(struct probe_lit *p, const struct lit_lights *lights,
                       struct error *err);
 
 // Any count, done in batches, after fibre and lights.  Values must be legal;

@@ -110,7 +110,8 @@ static bool run_cells(struct verb_probe_lit *v,
     const struct lit_fibre f = {probe_dual_grey(&line->c), false, true,
                                 (float)v->d_b};
     probe_lit_fibre(v->lit, &f);
-    if (!probe_lit_lights(v->lit, &lambda, 1, err))
+    const struct lit_lights one = lit_plan_apart(&lambda, 1);
+    if (!probe_lit_lights(v->lit, &one, err))
         return false;
     for (size_t i = 0; i < count; i++) {
         const struct exact_case *c = &line[i].c;

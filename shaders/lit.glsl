@@ -114,7 +114,7 @@ vec3 lit_near(LitTable t, float s, float view, float across)
     vec3 place = lit_place(t, s, view, across);
     LitAt a = lit_at(place, vec2(LIT_D, t.phis));
     GUARD(GUARD_LIT_EDGE,
-          lit_beyond(place, vec3(t.per_s * 2.0 * LIT_PI, LIT_D, t.phis)));
+          lit_beyond(place, vec3(round(t.per_s / LIT_ROWS), LIT_D, t.phis)));
     GUARD(GUARD_LIT_OVER, lit_over(place.xy - a.x.xy - 0.5, t.per_s, LIT_D));
     int at = 2 * (t.first + a.cell);
     FastCell f = fast_open(texelFetch(lit_cells, at),

@@ -166,7 +166,9 @@ struct lit_sweep_law lit_sweep(enum vectors_region region, int fibres)
         }
         probe_lit_fibre(kept, &j.fibre);
         probe_lit_note_guards(kept, j.hits);
-        if (CHECK(probe_lit_lights(kept, j.lambda, LIT_SWEEP_LIGHTS, &err) &&
+        const struct lit_lights sky =
+            lit_plan_apart(j.lambda, LIT_SWEEP_LIGHTS);
+        if (CHECK(probe_lit_lights(kept, &sky, &err) &&
                   probe_lit_run(kept, j.in, VECTORS, j.out, &err)))
             judge(&j, &law);
     }

@@ -23,6 +23,7 @@ const char *const lit_region_names[LIT_REGIONS] = {
     "sigma_a 2 to 10",
     "opaque",
     "no multiple scattering",
+    "tables shared",
 };
 
 static double logarithmic(uint64_t *s, double lo, double hi)
@@ -58,11 +59,27 @@ static double width_of(enum lit_region region, uint64_t *s)
     }
 }
 
+// As a fit has them: some of the largest width; a few that hold most.
+static void share_tables(struct lit_lights *l, uint64_t *s)
+{
+    double sum = 0;
+    l->count = 38;
+    for (int j = 0; j < l->count; j++) {
+        l->lambda[j] = j < 11 ? 1 : (float)logarithmic(s, .1, 1);
+        l->share[j] = (float)logarithmic(s, .03, 4);
+        sum += (double)l->share[j];
+    }
+    for (int j = 0; j < l->count; j++)
+        l->share[j] *= (float)(l->count / sum);
+    l->apart = false;
+    l->least = .1f;
+}
+
 struct lit_sky lit_cases_sky(uint64_t *state, enum lit_region region,
                              int lights)
 {
     static const double more[LIT_CHANNELS] = {1, 1.6, 3};
-    struct lit_sky sky = {.region = region, .lights = lights};
+    struct lit_sky sky = {.region = region};
     struct exact_case *c = &sky.grey;
     do {
         *c = cases_random(state,
@@ -76,8 +93,12 @@ struct lit_sky lit_cases_sky(uint64_t *state, enum lit_region region,
     sky.fibre.opaque = region == LIT_OPAQUE;
     sky.fibre.multiple = region != LIT_SINGLE;
     sky.fibre.d_b = 0.7f;
+    float lambda[LIT_PLAN_LIGHTS];
     for (int j = 0; j < lights; j++)
-        sky.lambda[j] = (float)width_of(region, state);
+        lambda[j] = (float)width_of(region, state);
+    sky.lights = lit_plan_apart(lambda, lights);
+    if (region == LIT_SHARED)
+        share_tables(&sky.lights, state);
     return sky;
 }
 
@@ -120,8 +141,8 @@ void lit_cases_place(const struct lit_sky *sky, uint64_t *state,
                      float out[PROBE_LIT_INPUTS])
 {
     static const double share[LIT_CHANNELS] = {1, .8, .5};
-    const int j = (int)cases_uniform(state, 0, sky->lights);
-    const double lambda = (double)sky->lambda[j], *b = sky->grey.beta;
+    const int j = (int)cases_uniform(state, 0, sky->lights.count);
+    const double lambda = (double)sky->lights.lambda[j], *b = sky->grey.beta;
     const double beta2 = (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]) / 3;
     const double crossed = logarithmic(state, 1e-2, 30);
     double theta[2];
@@ -144,7 +165,7 @@ void lit_cases_direct(const struct lit_sky *sky, const struct dual_tables *dual,
     const double sigma[LIT_CHANNELS] = {(double)place[4], (double)place[5],
                                         (double)place[6]};
     c.sigma_a = sky->fibre.fibre.sigma_a[channel];
-    c.lambda_j = (double)sky->lambda[(int)place[0]];
+    c.lambda_j = (double)sky->lights.lambda[(int)place[0]];
     c.theta_j = (double)place[1];
     c.phi_j = 0;
     c.phi_o = (double)place[2];
@@ -162,6 +183,5 @@ void lit_cases_direct(const struct lit_sky *sky, const struct dual_tables *dual,
 
 void lit_cases_plan(const struct lit_sky *sky, struct lit_plan *plan)
 {
-    const struct lit_lights l = lit_plan_apart(sky->lambda, sky->lights);
-    lit_plan_make(plan, &sky->fibre, &l);
+    lit_plan_make(plan, &sky->fibre, &sky->lights);
 }

@@ -25,19 +25,20 @@ enum lit_region {
     LIT_DARK,    // sigma_a 2 to 10
     LIT_OPAQUE,  // R alone is drawn
     LIT_SINGLE,  // light that one fibre scatters alone
+    LIT_SHARED,  // a sky of 38 lights, most of which share tables
     LIT_REGIONS
 };
 extern const char *const lit_region_names[LIT_REGIONS];
 
-enum { LIT_CHANNELS = 3, LIT_LIGHTS_MAX = 16 };
+enum { LIT_CHANNELS = 3 };
 
-// A sky of one fibre: no light wider than 2, one sigma_a a channel.
+// A fibre, one sigma_a a channel, and its sky: no light wider than 2, each with
+// its own table but in LIT_SHARED.
 struct lit_sky {
     enum lit_region region;
     struct exact_case grey; // its fibre, sigma_a of the first channel
     struct lit_fibre fibre;
-    float lambda[LIT_LIGHTS_MAX];
-    int lights;
+    struct lit_lights lights;
 };
 struct lit_sky lit_cases_sky(uint64_t *state, enum lit_region region,
                              int lights);

@@ -99,7 +99,7 @@ def test_lit():
     # an eccentric fibre, a caustic too narrow, a light too narrow for a table;
     # neighbours change nothing
     lines = [text] + [line(**c).rstrip("\n") + " 0.9\n" for c in (
-        {"a": 1.1}, {"w_c": 0.05}, {"lambda_j": 0.002, "beta_TT": 0.01})] + [text]
+        {"a": 1.1}, {"w_c": 0.05}, {"lambda_j": 0.002, "beta_TT": 0.005})] + [text]
     got = values("".join(lines), "--what", "lit", "--scheme", "fast")
     direct = values("".join(lines), "--what", "lit")
     assert got[0] == got[4] == fast
