@@ -12,7 +12,7 @@ enum {
     FAR_ROWS_MAX = 160,
     PHIS_MAX = 48,       // over |Phi|
     CELLS_MAX = 3500000, // 112 MB: some drivers' buffers end at 128 MiB
-    COARSER_MAX = 3
+    COARSER_MAX = LIT_PLAN_COARSER
 };
 // A cell of s over the width of light and narrowest lobe together, one of |Phi|
 // over that of light and caustic: what they cost and err is in docs/METHODS.md.
@@ -20,9 +20,9 @@ static const double step_s = 0.5, step_p = 0.8;
 // ln sigma_f of the far table: from here or the narrowest light to there.
 static const double far_least = 0.03, far_most = 12, far_log = 2.0;
 static const double far_widths = .45;
-// How much ln of the peak of what a light does may differ from its table's; so
-// many times as much where it holds so many times less light than others.
-static const double tolerance = 0.003, dim_most = 16;
+// How much ln of the peak of what a light does may differ from its table's:
+// 2^(1/2) times as much where it holds half the light of others, to this.
+static const double tolerance = 0.003, dim_most = 4;
 
 struct group { // lights of one table, by rising width
     int first, count;
@@ -133,8 +133,8 @@ static void share_tables(struct draw *d)
         const int j = d->order[i];
         const double lambda = (double)l->lambda[j], share = (double)l->share[j];
         const double at = spread_of(&d->widths, lambda * lambda);
-        const double dim = fmin(1 / fmax(share, 1e-6), dim_most);
-        const double off = tolerance * exp2(d->coarser) * fmax(dim, 1);
+        const double dim = fmin(1 / sqrt(fmax(share, 1e-6)), dim_most);
+        const double off = tolerance * exp2(0.25 * d->coarser) * fmax(dim, 1);
         if (!g || l->apart ||
             fmax(g->low, at - off) > fmin(g->high, at + off)) {
             g = &d->group[d->groups++];
@@ -187,7 +187,7 @@ static void place_table(struct lit_plan *plan, const struct draw *d,
                         const struct group *g, uint32_t most)
 {
     const double lambda = (double)g->lambda;
-    const double larger = exp2(0.25 * d->coarser) * by_share(g->most);
+    const double larger = exp2(0.125 * d->coarser) * by_share(g->most);
     const double s = larger * step_s * hypot(d->widths.w, lambda);
     const double p = larger * step_p * hypot(lambda, d->widths.w_c);
     const uint32_t rows = rows_for(2 * pi / s), phis = phis_for(pi / p);

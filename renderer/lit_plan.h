@@ -17,6 +17,7 @@
 
 enum {
     LIT_PLAN_LIGHTS = 200,
+    LIT_PLAN_COARSER = 6,
     LIT_PLAN_D = 26, // shape: shaders/lit_size.glsl has it too
     LIT_PLAN_FAR_D = 12,
     LIT_PLAN_FAR_P = 8,
@@ -55,8 +56,9 @@ struct lit_plan {
     uint32_t columns;          // most of any table
     uint32_t tables, rest;     // how many; lights that have none
     uint32_t narrow;           // of these because lobes are too narrow
-    uint32_t coarser;          // steps by which cells are larger, for want of
-                               // memory
+    // Steps of 2^(1/8) by which cells are larger for want of memory, to
+    // LIT_PLAN_COARSER.
+    uint32_t coarser;
 };
 
 // Of equal share, each with a table of its own, however much memory that takes.

@@ -162,7 +162,8 @@ void renderer_mark(struct renderer *r, enum renderer_stage first)
     for (int i = 0; i < RENDERER_STAGES; i++)
         if (marked & BIT(i))
             r->stale[i] = true;
-    if (marked & BIT(RENDERER_SHADOW))
+    // lights may turn out to stand where they stood: renderer_setup_light
+    if ((marked & BIT(RENDERER_SHADOW)) && first != RENDERER_LIGHT)
         shading_forget(&r->shading);
     if (marked & BIT(RENDERER_RESOLVE))
         restart(r, false);

@@ -27,8 +27,9 @@ static const struct lit_plan *plan_of(const struct renderer *r)
 
 static void list_tables(const struct lit_plan *plan, struct renderer_stats *s)
 {
-    // largest errors measured with cells so many steps larger
-    static const double coarser[] = {0, 0.1, 0.12, 0.18};
+    // as LIT_TABLES_ERROR, of cells so many steps larger
+    static const double coarser[LIT_PLAN_COARSER + 1] = {0,    0.1,  0.1, 0.12,
+                                                         0.12, 0.15, 0.15};
     char why[96];
     if (plan->rest > 0) {
         snprintf(why, sizeof why,

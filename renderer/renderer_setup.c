@@ -38,6 +38,8 @@ bool renderer_setup_light(struct renderer *r, struct error *err)
     (void)err;
     r->idle = !lights_put(&r->lights, &r->fit, &r->params);
     r->directions_stale |= !r->idle;
+    if (!r->idle)
+        shading_forget(&r->shading);
     // the first light brings shadows, the last one takes them away
     r->stale[RENDERER_FIBRE] |= r->shading.shadowed != renderer_shadowed(r);
     return true;

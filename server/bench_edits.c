@@ -152,6 +152,8 @@ static void note_state(const struct run *run, struct bench_edits_row *row)
     row->path = s.path;
     row->lights = s.lights_used;
     row->lights_asked = s.lights_fitted;
+    row->tables = s.tables;
+    row->tables_missing = s.tables_missing;
     row->points = s.visible_points;
 }
 

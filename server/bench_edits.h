@@ -42,6 +42,7 @@ struct bench_edits_row {
     double target; // ms; NaN: none
     const char *path;
     int lights, lights_asked;    // in use; sky.lights
+    int tables, tables_missing;  // of renderer_stats
     uint32_t points;             // visible
     double forward, forward_cpu; // ms by paper-forward; NaN: does not compare
     int forward_runs;

@@ -76,6 +76,8 @@ void bench_edits_json(const struct bench_edits_scene *s,
     stats_put_work(&j, &t->work);
     json_put_string(&j, "path", row->path);
     json_put_int(&j, "lights", row->lights);
+    json_put_int(&j, "tables", row->tables);
+    json_put_int(&j, "tables_missing", row->tables_missing);
     json_put_int(&j, "points", row->points);
     json_put_number(&j, "cpu_ms", t->processor);
     json_put_number(&j, "encode_ms", t->encode);

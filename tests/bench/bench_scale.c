@@ -42,6 +42,8 @@ static void note(struct renderer *r, struct scale_row *row)
     renderer_stats(r, &s);
     row->points = s.visible_points;
     row->lights = s.lights_used;
+    row->light_tables = s.tables;
+    row->missing = s.tables_missing;
     row->path = s.path;
     row->strands = s.memory_strands;
     row->shadow = s.memory_shadow;

@@ -70,6 +70,8 @@ void scale_json(const struct scale_sweep *s, const struct scale_row *r,
         json_put_int(&j, "visible", r->points);
         json_put_int(&j, "strand_points", r->strand_points);
         json_put_int(&j, "lights", r->lights);
+        json_put_int(&j, "tables", r->light_tables);
+        json_put_int(&j, "tables_missing", r->missing);
         json_put_string(&j, "path", r->path);
         json_put_int(&j, "memory", (int64_t)scale_memory(r));
         json_put_int(&j, "memory_strands", (int64_t)r->strands);
@@ -112,12 +114,14 @@ void scale_section(const struct scale_sweep *s, const char *plot,
     buf_printf(out, "\n## %s\n\n%s\n\n", s->name, s->about);
     if (plot)
         buf_printf(out, "![edit time over %s](%s)\n\n", s->x, plot);
-    buf_printf(out,
-               "| %s | fibre ms | light colour ms | camera ms | visible places "
-               "| lights | path | MB | of that strands | shadow | cache | "
-               "targets | tables |\n"
-               "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-               s->x);
+    buf_printf(
+        out,
+        "| %s | fibre ms | light colour ms | camera ms | visible places "
+        "| lights | without a table | their tables | path | MB | of that "
+        "strands "
+        "| shadow | cache | targets | tables |\n"
+        "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        s->x);
     for (int i = 0; i < s->rows; i++) {
         const struct scale_row *r = &s->row[i];
         if (r->label[0])
@@ -125,13 +129,14 @@ void scale_section(const struct scale_sweep *s, const char *plot,
         else
             buf_printf(out, "| %.0f |", r->x);
         if (r->refused[0]) {
-            buf_printf(out, " refused: %s | | | | | | | | | | | |\n",
+            buf_printf(out, " refused: %s | | | | | | | | | | | | | |\n",
                        r->refused);
             continue;
         }
         for (int e = 0; e < SCALE_EDITS; e++)
             buf_printf(out, " %.4g (%.4g) |", r->ms[e], r->cpu[e]);
-        buf_printf(out, " %u | %d | %s |", r->points, r->lights, r->path);
+        buf_printf(out, " %u | %d | %d | %d | %s |", r->points, r->lights,
+                   r->missing, r->light_tables, r->path);
         buf_printf(out, " %.4g | %.4g | %.4g | %.4g | %.4g | %.4g |\n",
                    megabytes(scale_memory(r)), megabytes(r->strands),
                    megabytes(r->shadow), megabytes(r->cache),

@@ -16,6 +16,7 @@ struct scale_row {
     double ms[SCALE_EDITS], cpu[SCALE_EDITS]; // medians; of all processors
     uint32_t points, strand_points;           // visible; of the hair
     int lights;                               // in use
+    int light_tables, missing;                // that these share; have none
     const char *path;
     uint64_t strands, shadow, cache, targets, tables; // bytes
     char refused[240]; // why there is nothing; ""
