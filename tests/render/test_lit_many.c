@@ -135,9 +135,9 @@ static void all_have_tables(int count)
     CHECK(s.tables_missing == 0 && s.tables > 0 && 3 * s.tables < 2 * count);
     CHECK(told(r, "light_tables") == -1);
     CHECK(count > 120 || told(r, "fine_tables") == -1);
-    // Measured, the largest of 40, 120 and 200: .0026, .0105, .015, .0046.
-    CHECK(e.median < 0.004 && e.p99 < 0.016);
-    CHECK(e.most < 0.025 && e.rmse < 0.007);
+    // Measured, the largest of 40, 120 and 200: .0033, .0135, .019, .0053.
+    CHECK(e.median < 0.005 && e.p99 < 0.02);
+    CHECK(e.most < 0.03 && e.rmse < 0.008);
     buf_finish(&got);
     buf_finish(&want);
     renderer_destroy(r);
@@ -211,7 +211,7 @@ static void bounded(int count)
         CHECK(lit_tables_bytes(r->shading.lit) <= half + more);
         CHECK((told(r, "light_tables") == 0) == (s.tables_missing > 0));
         CHECK((told(r, "fine_tables") > 0) == (plan->coarser > 0));
-        // measured, 64 MB: .0045, .023
+        // measured, 64 MB: .0048, .024
         CHECK(e.median < 0.007 && e.most < 0.035);
         buf_finish(&got);
     }
