@@ -33,7 +33,7 @@ bool layers_fit(struct layers *l, int i, const struct picture *p,
     if (l->radiance[i] || !l->add)
         return l->add != 0;
     const uint64_t pixels = (uint64_t)p->width * (uint64_t)p->height;
-    l->radiance[i] = gl_buffer(16 * (uint64_t)p->slots, NULL, "layer radiance");
+    l->radiance[i] = gl_buffer(8 * (uint64_t)p->slots, NULL, "layer radiance");
     l->sum[i] = gl_buffer(16 * pixels, NULL, "layer sum");
     return gl_check("layers", err);
 }

@@ -9,7 +9,13 @@
 #include "renderer/gl.h"
 #include "renderer/program.h"
 
-enum { DISPATCH_OFFSET = 16, LIST_END = 32 };
+enum {
+    DISPATCH_OFFSET = 16,
+    LIST_END = 32,
+    NUMBERS_BINDING = 11,
+    // key and number; of half of them, for more are never listed: radiance, key
+    SLOT_BYTES = 4 + 4 + (16 + 4) / 2
+};
 
 struct scene_std140 { // scene.glsl
     float view_proj[16], eye[4], size[4], jitter[4], right[4], up[4],
@@ -25,6 +31,7 @@ bool picture_init(struct picture *p, struct error *err)
     p->scene = gl_buffer(sizeof(struct scene_std140), NULL, "scene");
     return raster_init(&p->raster, err) &&
            (p->cells = program_compute("cells.comp", NULL, err)) &&
+           (p->number = program_compute("cells_number.comp", NULL, err)) &&
            (p->count = program_compute("count.comp", NULL, err)) &&
            (p->add = program_compute("accumulate.comp", NULL, err));
 }
@@ -32,10 +39,11 @@ bool picture_init(struct picture *p, struct error *err)
 static void drop_targets(struct picture *p)
 {
     const unsigned buffers[] = {p->keys, p->radiance, p->list, p->counts,
-                                p->map,  p->sum,      p->saw};
-    gl.DeleteBuffers(7, buffers);
+                                p->map,  p->sum,      p->saw,  p->numbers};
+    gl.DeleteBuffers(8, buffers);
     picture_gl_drop(&p->target);
     p->keys = p->radiance = p->list = p->counts = p->map = p->sum = p->saw = 0;
+    p->numbers = 0;
     p->width = p->height = 0;
 }
 
@@ -44,8 +52,9 @@ void picture_finish(struct picture *p)
     drop_targets(p);
     raster_finish(&p->raster);
     picture_gl_finish(&p->drawn);
-    const unsigned programs[] = {p->cells, p->cells_drawn, p->count, p->add};
-    for (int i = 0; i < 4; i++)
+    const unsigned programs[] = {p->cells, p->cells_drawn, p->number, p->count,
+                                 p->add};
+    for (int i = 0; i < 5; i++)
         program_drop(programs[i]);
     gl.DeleteBuffers(1, &p->scene);
     memset(p, 0, sizeof *p);
@@ -84,17 +93,18 @@ static bool cell_store(struct picture *p, const struct params *params,
     const uint64_t least = power_of_two(2 * pixels);
     uint64_t slots = power_of_two(12 * pixels);
     while (slots > least &&
-           (22 * slots > budget / 2 || 16 * slots > (uint64_t)limit))
+           (SLOT_BYTES * slots > budget / 2 || 8 * slots > (uint64_t)limit))
         slots /= 2;
-    if (16 * slots > (uint64_t)limit)
+    if (8 * slots > (uint64_t)limit)
         return error_set(
             err, "limit", "image",
             "image: %d x %d pixels need a buffer of %llu bytes, this device "
             "allows %lld: at most %lld pixels",
-            p->width, p->height, (unsigned long long)(16 * slots),
-            (long long)limit, (long long)(limit / 32));
+            p->width, p->height, (unsigned long long)(8 * slots),
+            (long long)limit, (long long)(limit / 16));
     uint64_t maps =
-        (budget - (22 * slots < budget ? 22 * slots : budget)) / (4 * pixels);
+        (budget - (SLOT_BYTES * slots < budget ? SLOT_BYTES * slots : budget)) /
+        (4 * pixels);
     const uint64_t most = (uint64_t)limit / (4 * pixels) - 1; // see below
     if (maps > most)
         maps = most;
@@ -105,8 +115,9 @@ static bool cell_store(struct picture *p, const struct params *params,
     p->cache_mb = params->quality.cache_mb;
     p->cache_bytes = 0;
     p->keys = buffer(4 * slots, "cell keys", &p->cache_bytes);
-    p->radiance = buffer(16 * slots, "cell radiance", &p->cache_bytes);
+    p->radiance = buffer(8 * slots, "cell radiance", &p->cache_bytes);
     p->list = buffer(2 * slots, "cell list", &p->cache_bytes);
+    p->numbers = buffer(4 * slots, "cell numbers", &p->cache_bytes);
     p->counts = buffer(LIST_END + 4 * PICTURE_SAMPLES_MAX, "cell counts",
                        &p->cache_bytes);
     // one more than kept: where a sample beyond them puts its map
@@ -263,6 +274,13 @@ static bool walk(struct picture *p, const struct raster_view *v, int k,
     return true;
 }
 
+static void dispatch_pixels(const struct picture *p)
+{
+    const uint64_t pixels = (uint64_t)p->width * (uint64_t)p->height;
+    gl_dispatch_spread((pixels + PICTURE_GROUP_PIXELS - 1) /
+                       PICTURE_GROUP_PIXELS);
+}
+
 bool picture_see(struct picture *p, const struct strands *s,
                  const struct camera *c, int k, struct error *err)
 {
@@ -274,8 +292,12 @@ bool picture_see(struct picture *p, const struct strands *s,
     }
     const struct raster_view view = {s, c, p->width, p->height, p->watch};
     picture_bind(p);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, NUMBERS_BINDING, p->numbers);
     if (!(picture_draws(p, s) ? draw(p, s, err) : walk(p, &view, k, err)))
         return false;
+    gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    gl.UseProgram(p->number);
+    dispatch_pixels(p);
     gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     return true;
 }
@@ -319,8 +341,7 @@ void picture_dispatch_lights(const struct picture *p, uint32_t cells,
 
 void picture_dispatch_add(const struct picture *p)
 {
-    const uint64_t pixels = (uint64_t)p->width * (uint64_t)p->height;
-    gl_dispatch_spread((pixels + PICTURE_ADD_PIXELS - 1) / PICTURE_ADD_PIXELS);
+    dispatch_pixels(p);
     gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT |
                      GL_BUFFER_UPDATE_BARRIER_BIT);
 }

@@ -21,14 +21,15 @@
 #include "renderer/strands.h"
 
 enum { PICTURE_SCENE_BINDING = 1, PICTURE_SAMPLES_MAX = 4096 };
-enum { PICTURE_ADD_PIXELS = 512 }; // of a group that adds: accumulate.comp
+enum { PICTURE_GROUP_PIXELS = 512 }; // of accumulate.comp, cells_number.comp
 
 struct picture {
     int width, height;
     unsigned keys, radiance, list, counts, map; // cells.glsl
+    unsigned numbers;                           // cells.comp
     unsigned sum, saw;                          // accumulate.comp, seen.glsl
     unsigned scene;                             // uniform block
-    unsigned cells, cells_drawn, count, add;    // programs
+    unsigned cells, cells_drawn, number, count, add; // programs
     struct raster raster;
     struct picture_gl drawn;         // the other raster, where it is used
     struct picture_gl_target target; // the same

@@ -76,10 +76,10 @@ int renderer_drafts_seen(const struct renderer *r,
 // Programs and buffers that do not depend on the picture's size.
 static void lend(struct picture *to, struct picture *from)
 {
-    unsigned *const a[] = {&to->cells, &to->cells_drawn, &to->count, &to->add,
-                           &to->scene};
-    unsigned *const b[] = {&from->cells, &from->cells_drawn, &from->count,
-                           &from->add, &from->scene};
+    unsigned *const a[] = {&to->cells, &to->cells_drawn, &to->number,
+                           &to->count, &to->add,         &to->scene};
+    unsigned *const b[] = {&from->cells, &from->cells_drawn, &from->number,
+                           &from->count, &from->add,         &from->scene};
     for (size_t i = 0; i < sizeof a / sizeof a[0]; i++) {
         *a[i] = *b[i];
         *b[i] = 0;

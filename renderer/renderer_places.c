@@ -16,14 +16,14 @@
 #include "renderer/reference_private.h"
 #include "renderer/renderer_private.h"
 
-enum { COUNT_LOCATION = 0, SLOTS_BINDING = 2, ITEMS_BINDING = 3, GROUP = 64 };
+enum { COUNT_LOCATION = 0, NUMBERS_BINDING = 2, ITEMS_BINDING = 3, GROUP = 64 };
 
 struct gpu_item { // places.comp
     float position[4], tangent[4], radiance[4];
 };
 
 struct chosen { // pixels, and what they see
-    uint32_t *pixel, *slot;
+    uint32_t *pixel, *number;
     size_t count;
 };
 
@@ -51,29 +51,29 @@ static void draw(const uint32_t *map, size_t pixels, size_t want, uint64_t seed,
             order[n++] = (uint32_t)i;
     want = want < n ? want : n;
     c->pixel = bytes_alloc((want + 1) * sizeof *c->pixel);
-    c->slot = bytes_alloc((want + 1) * sizeof *c->slot);
+    c->number = bytes_alloc((want + 1) * sizeof *c->number);
     uint32_t *sorted = bytes_alloc((want + 1) * sizeof *sorted);
     struct reference_random random;
     reference_random_begin(&random, seed, 0, 0);
     for (size_t i = 0; i < n && c->count < want; i++) {
         const size_t j =
             i + (size_t)(reference_random_next(&random) * (double)(n - i));
-        const uint32_t pixel = order[j], slot = map[pixel] - MAP_FIRST;
+        const uint32_t pixel = order[j], number = map[pixel] - MAP_FIRST;
         order[j] = order[i];
-        if (has(sorted, c->count, slot))
+        if (has(sorted, c->count, number))
             continue;
         size_t at = c->count;
-        for (; at > 0 && sorted[at - 1] > slot; at--)
+        for (; at > 0 && sorted[at - 1] > number; at--)
             sorted[at] = sorted[at - 1];
-        sorted[at] = slot;
+        sorted[at] = number;
         c->pixel[c->count] = pixel;
-        c->slot[c->count++] = slot;
+        c->number[c->count++] = number;
     }
     free(sorted);
     free(order);
 }
 
-static void bind(const struct renderer *r, unsigned slots, unsigned items)
+static void bind(const struct renderer *r, unsigned numbers, unsigned items)
 {
     picture_bind(&r->picture);
     gl.BindBufferBase(GL_UNIFORM_BUFFER, PICTURE_SCENE_BINDING,
@@ -82,7 +82,7 @@ static void bind(const struct renderer *r, unsigned slots, unsigned items)
                       r->shading.params);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, r->strands.position);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, r->strands.strand);
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, SLOTS_BINDING, slots);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, NUMBERS_BINDING, numbers);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, ITEMS_BINDING, items);
 }
 
@@ -98,8 +98,8 @@ static bool fetch(struct renderer *r, const struct chosen *c,
     const GLsizeiptr size = (GLsizeiptr)(c->count * sizeof *items);
     unsigned buffer[2];
     gl.CreateBuffers(2, buffer);
-    gl.NamedBufferStorage(buffer[0], (GLsizeiptr)(c->count * sizeof *c->slot),
-                          c->slot, 0);
+    gl.NamedBufferStorage(buffer[0], (GLsizeiptr)(c->count * sizeof *c->number),
+                          c->number, 0);
     gl.NamedBufferStorage(buffer[1], size, NULL, 0);
     bind(r, buffer[0], buffer[1]);
     gl.UseProgram(program);
@@ -180,7 +180,7 @@ bool renderer_places(struct renderer *r, size_t want, uint64_t seed,
     free(axis);
     free(items);
     free(c.pixel);
-    free(c.slot);
+    free(c.number);
     free(map);
     return ok;
 }

@@ -15,7 +15,7 @@ layout(std430, binding = 9) buffer Sum { vec4 sum[]; };
 layout(std430, binding = 10) buffer Seen { uint seen[]; };
 #endif
 
-const uint ROWS = 8u; // of 64 pixels: picture.h has PICTURE_ADD_PIXELS of both
+const uint ROWS = 8u; // of 64 pixels: picture.h has PICTURE_GROUP_PIXELS of both
 
 void main()
 {

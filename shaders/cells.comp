@@ -1,7 +1,9 @@
 #version 450 core
 // From ids to cells: every pixel that sees hair looks its cell up in the hash
 // table, new cells are appended to the list of what is to be shaded.  The map
-// has been cleared, and says where the head is.
+// has been cleared, and says where the head is.  It gets slots: who finds a cell
+// that another thread just put there cannot know its number yet
+// (cells_number.comp).
 #include "raster.glsl"
 #include "cells.glsl"
 #ifdef DRAWN // by visible.frag
@@ -11,6 +13,8 @@ layout(binding = 0) uniform usampler2D ids;
 #include "raster_work.glsl"
 layout(local_size_x = 64) in;
 #endif
+
+layout(std430, binding = 11) writeonly buffer Numbers { uint numbers[]; }; // by slot
 
 uint hashed(uint x)
 {
@@ -29,7 +33,9 @@ uint slot_of(uint key)
         if (was == 0u) {
             was = atomicCompSwap(keys[at], 0u, key);
             if (was == 0u) {
-                list[atomicAdd(listed, 1u)] = at;
+                uint number = atomicAdd(listed, 1u);
+                list[number] = key;
+                numbers[at] = number;
                 return MAP_FIRST + at;
             }
         }

@@ -32,7 +32,8 @@ Place place_of_key(uint key)
     return c;
 }
 
-Place place_of(uint slot)
+// Of a cell as it is listed.
+Place place_of(uint entry)
 {
-    return place_of_key(keys[slot] - 1u);
+    return place_of_key(entry - 1u);
 }

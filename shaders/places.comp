@@ -12,7 +12,7 @@ struct Item {
     vec4 tangent;  // xyz; w: segment, as bits
     vec4 radiance;
 };
-layout(std430, binding = 2) readonly buffer Slots { uint slots[]; };
+layout(std430, binding = 2) readonly buffer Numbers { uint numbers[]; };
 layout(std430, binding = 3) writeonly buffer Items { Item items[]; };
 
 void main()
@@ -20,8 +20,8 @@ void main()
     uint at = gl_GlobalInvocationID.x;
     if (at >= count)
         return;
-    Place c = place_of(slots[at]);
+    Place c = place_of(list[numbers[at]]);
     items[at] = Item(vec4(c.p, c.along),
                      vec4(c.u, uintBitsToFloat(c.segment)),
-                     radiance[slots[at]]);
+                     radiance[numbers[at]]);
 }

@@ -23,7 +23,6 @@ void main()
 #endif
     if (entry >= list_end[kept])
         return;
-    uint slot = list[entry];
-    vec3 seen = shade_seen(place_of(slot), at, 0u, light_count);
-    radiance[slot] = vec4(seen, 1.0);
+    vec3 seen = shade_seen(place_of(list[entry]), at, 0u, light_count);
+    radiance[entry] = vec4(seen, 1.0);
 }
