@@ -259,9 +259,11 @@ static void put_lit(FILE *out)
         "compared with what the light sends at most, wherever it stands. "
         "Guards count\nwhere more than a hundredth of the brightest "
         "arrives; `its guarded`: median and p99 of\nwhat such a vector is "
-        "off the tables of modes, of which cells are made. Not all\nmay "
-        "be none: a cell's slope has a byte, in which 2 values a cell are "
-        "the most.\n\n",
+        "off the tables of modes, of which cells are made, in\nparts of its "
+        "value: next to nothing where a narrow lobe's centre has just gone\n"
+        "beyond 90 degrees, and cells beside it are bright. Not all can be "
+        "none: a cell's slope\nhas a byte, in which 2 values a cell are the "
+        "most. Typical vectors: nearly all of\nthem of the far table.\n\n",
         LIT_FIBRES, LIT_SWEEP_LIGHTS, LIT_SWEEP_VECTORS);
     put_head(out, "region",
              " | vectors | no table | directly: top | forward: top | guarded | "
