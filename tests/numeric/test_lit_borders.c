@@ -1,6 +1,7 @@
 // The tables of each light where one cell ends and the next begins, and what
 // the 16 bits do through which theta_j and |Phi| go on their way to a place
 // (shaders/lit_record.glsl): by how much the light of a place changes there.
+// Ends of the tables; lights and cases apart.
 #include "renderer/egl.h"
 #include "tests/check.h"
 #include "tests/numeric/lit_cases.h"
@@ -31,6 +32,13 @@ static bool run(struct probe_lit *p, const float *in, size_t count, float *out)
 {
     struct error err = {0};
     return CHECK(probe_lit_run(p, in, count, out, &err));
+}
+
+static bool put(struct probe_lit *p, const struct lit_sky *sky)
+{
+    struct error err = {0};
+    probe_lit_fibre(p, &sky->fibre);
+    return CHECK(probe_lit_lights(p, &sky->lights, &err));
 }
 
 static double total(const float *v)
@@ -149,12 +157,10 @@ static void measure(struct probe_lit *p, const struct lit_plan *plan,
 static void sweep(struct probe_lit *p, struct found *f)
 {
     uint64_t state = 77;
-    struct error err = {0};
     for (int i = 0; i < FIBRES; i++) {
         const struct lit_sky sky = lit_cases_sky(&state, LIT_TYPICAL, LIGHTS);
         struct lit_plan plan;
-        probe_lit_fibre(p, &sky.fibre);
-        if (!CHECK(probe_lit_lights(p, &sky.lights, &err)))
+        if (!put(p, &sky))
             return;
         lit_cases_plan(&sky, &plan);
         for (int k = 0; k < PLACES; k++) {
@@ -191,6 +197,90 @@ static void judge(struct found *f)
     }
 }
 
+// --- ends, neighbours --------------------------------------------------------
+// Whatever is legal, at both ends of every axis: finite, not negative, no more
+// than a light has, from a cell within the table.
+static void ends(struct probe_lit *p)
+{
+    static const double sigma[] = {.002, .03, .3, 3, 11.9, 12.1, 100};
+    static const double theta[] = {-90, -89.9, -60, 0, 68, 89.9, 90};
+    static const double phi[] = {0, 1e-6, 90, 180, 360};
+    enum { MOST = 7 * 7 * 5 * 7 };
+    static float in[MOST * IN], out[MOST * OUT];
+    uint64_t state = 9;
+    check_case("ends of the tables");
+    for (int i = 0; i < LIT_REGIONS; i++) {
+        struct lit_sky sky = lit_cases_sky(&state, (enum lit_region)i, 6);
+        struct lit_plan plan;
+        if (i % 2)
+            sky.lights.least = sky.lights.lambda[5] = 0.002f; // a sun
+        if (!put(p, &sky))
+            return;
+        lit_cases_plan(&sky, &plan);
+        for (int k = 0; k < MOST; k++) {
+            float *c = in + IN * k;
+            c[0] = (float)(k % sky.lights.count);
+            c[1] = (float)(pi / 180 * theta[k % 7]);
+            c[2] = (float)(pi / 180 * phi[k / 49 % 5]);
+            c[3] = (float)(pi / 180 * theta[k / 7 % 7]);
+            for (int n = 0; n < C; n++)
+                c[4 + n] = (float)sigma[(k / 245 + n * (i % 3)) % 7];
+        }
+        if (!run(p, in, MOST, out))
+            return;
+        for (int k = 0; k < MOST; k++) {
+            const float *o = out + OUT * k, *n = o + PROBE_LIT_NEAR_AT;
+            const uint32_t *row = plan.block.light[(int)in[IN * k]];
+            for (int c = 0; c < 4 * C; c++) {
+                CHECK(o[c] >= 0 && isfinite(o[c]));
+                // cos^2 theta_i / cos^2 theta_d <= 4 of three modes, d_b; eq 27
+                // has 1/cos^2 theta_d, which fast.glsl ends at 1e4
+                CHECK(o[c] <= (c / C % 2 ? 1e4F : 16));
+            }
+            CHECK((n[0] < 0) == (row[1] == 0));
+            CHECK(n[0] < (float)(row[1] >> 16) && n[1] < LIT_PLAN_D &&
+                  (n[0] < 0 || n[2] < (float)(row[1] & 0xffff)));
+            if (!sky.fibre.multiple)
+                continue;
+            const float *f = o + PROBE_LIT_FAR_AT, *a = o + PROBE_LIT_FAR_SIZE;
+            CHECK(f[0] >= 0 && f[0] < plan.block.far[1] && f[2] >= 0 &&
+                  f[2] < LIT_PLAN_FAR_D && f[3] >= 0 && f[3] < LIT_PLAN_FAR_P);
+            CHECK(f[1] >= 0 && f[1] <= (float)(2 * pi) / a[1] &&
+                  f[1] < plan.block.far[2]);
+        }
+    }
+}
+
+// A light's table is the same alone and among others, a case's result the same
+// in whatever batch.
+static void neighbours(struct probe_lit *p)
+{
+    enum { MANY = 20000, APART = 40 };
+    static float in[MANY * IN], out[MANY * OUT], alone[OUT];
+    uint64_t state = 21;
+    check_case("lights and cases apart");
+    struct lit_sky sky = lit_cases_sky(&state, LIT_TYPICAL, 16);
+    for (int k = 0; k < MANY; k++)
+        lit_cases_place(&sky, &state, in + IN * k);
+    if (!put(p, &sky) || !run(p, in, MANY, out))
+        return;
+    const int at[3] = {3, 8192, MANY - 1};
+    for (int k = 0; k < 3; k++)
+        CHECK(run(p, in + IN * at[k], 1, alone) &&
+              memcmp(alone, out + OUT * at[k], sizeof alone) == 0);
+    for (int k = 0; k < APART; k++) {
+        float *c = in + IN * k;
+        struct lit_sky one = sky;
+        one.lights = lit_plan_apart(&sky.lights.lambda[(int)c[0]], 1);
+        c[0] = 0;
+        if (!put(p, &one) || !run(p, c, 1, alone))
+            return;
+        CHECK(memcmp(alone, out + OUT * k, C * sizeof *out) == 0);
+        CHECK(memcmp(alone + PROBE_LIT_NEAR_AT,
+                     out + OUT * k + PROBE_LIT_NEAR_AT, 3 * sizeof *out) == 0);
+    }
+}
+
 int main(void)
 {
     struct error err = {0};
@@ -201,6 +291,8 @@ int main(void)
     if (CHECK(p != NULL)) {
         sweep(p, &f);
         judge(&f);
+        ends(p);
+        neighbours(p);
     } else {
         printf("  %s\n", err.text);
     }
