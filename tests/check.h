@@ -12,10 +12,12 @@
 #include <stdio.h>
 #include <string.h>
 
+// Weak, so that a test and the helpers linked into it count together.
+#define CHECK_SHARED_ __attribute__((weak))
 // the name is copied: it may be a caller's scratch
-static char check_text_[160];
-static const char *check_name_;
-static int check_bad_, check_failed_, check_passed_, check_skipped_;
+CHECK_SHARED_ char check_text_[160];
+CHECK_SHARED_ const char *check_name_;
+CHECK_SHARED_ int check_bad_, check_failed_, check_passed_, check_skipped_;
 
 static inline void check_close_(void)
 {

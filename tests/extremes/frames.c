@@ -88,14 +88,9 @@ static void extreme(struct params *p, const struct params_row *row, uint64_t *s)
 
 static void fill_params(struct params *p, uint64_t *s)
 {
-    scene_params(p);
+    scene_shadowed(p, 2, 0, 32);
     p->image.width = 48;
     p->image.height = 32;
-    p->quality.samples = 2;
-    p->hair.diameter = 0.6f;
-    p->shadow.method = 1;
-    p->shadow.resolution = 32;
-    p->shadow.rays = 0;
     for (int r = 0; r < params_row_count; r++)
         if (!kept(&params_rows[r]) && cases_uniform(s, 0, 1) < 0.3)
             extreme(p, &params_rows[r], s);

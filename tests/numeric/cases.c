@@ -133,3 +133,21 @@ void cases_finish(struct cases_errors *e)
     free(e->error);
     *e = (struct cases_errors){0};
 }
+
+struct exact_case cases_mirror(struct exact_case c, int kind)
+{
+    if (kind == 0) {
+        c.theta_j = -c.theta_j;
+        c.theta_o = -c.theta_o;
+        for (int t = 0; t < EXACT_MODES; t++)
+            c.alpha[t] = -c.alpha[t];
+    } else if (kind == 1) {
+        c.phi_j = -c.phi_j;
+        c.phi_o = -c.phi_o;
+    } else {
+        c.a = 1 / c.a;
+        c.phi_j += M_PI / 2;
+        c.phi_o += M_PI / 2;
+    }
+    return c;
+}

@@ -40,4 +40,9 @@ void cases_add(struct cases_errors *e, double error);
 double cases_quantile(struct cases_errors *e, double share);
 void cases_finish(struct cases_errors *e);
 
+// What must be the same: mirrored in the normal plane (0: all theta and alpha
+// change sign), mirrored along the fibre (1: all phi change sign), the ellipse
+// turned by a quarter with its axes exchanged (2).
+struct exact_case cases_mirror(struct exact_case c, int kind);
+
 #endif

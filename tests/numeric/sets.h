@@ -15,6 +15,10 @@ void *sets_array(size_t count, size_t size); // zeros; the caller frees it
 struct set sets_create(size_t count);
 void sets_destroy(struct set *s);
 
+// All over the legal box; and eta = 2 from both sides, ever closer, where
+// caustics meet.
+struct set sets_wild(size_t count);
+
 // s->out of s->c; false, and said, when the GPU refuses.
 bool sets_on_gpu(struct set *s, struct probe_setup setup);
 
@@ -22,5 +26,8 @@ bool sets_on_gpu(struct set *s, struct probe_setup setup);
 // the brightest one: what is below cannot be seen, and single precision need
 // not resolve it.
 void sets_compare(struct set *s, struct cases_errors *e);
+
+// False, and said, where s->out is no radiance: negative, endless, no number.
+bool sets_sane(const struct set *s);
 
 #endif

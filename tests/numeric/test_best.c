@@ -156,20 +156,6 @@ static void test_as_double(void)
 }
 
 // --- whatever the parameters -------------------------------------------------
-static void check_sane(const struct set *s)
-{
-    long bad = 0;
-    for (size_t i = 0; i < 3 * s->count; i++)
-        if (!(s->out[i] >= 0 && s->out[i] < 1e6f) && bad++ < 5) {
-            const float *v = s->in + PROBE_INPUTS * (i / 3);
-            printf("  mode %zu is %g for", i % 3, (double)s->out[i]);
-            for (int k = 0; k < PROBE_INPUTS; k++)
-                printf(" %.9g", (double)v[k]);
-            printf("\n");
-        }
-    CHECK(bad == 0);
-}
-
 // Every corner of the legal box, and its middle where that is special.  What
 // the lobes are made of changes last, for they are made anew for each fibre.
 static void test_corners(void)
@@ -201,41 +187,16 @@ static void test_corners(void)
     }
     check_case("best_corners");
     if (sets_on_gpu(&s, best))
-        check_sane(&s);
+        CHECK(sets_sane(&s));
     sets_destroy(&s);
 }
 
-// All over the legal box; and eta' = 2, where caustics meet, ever closer.
 static void test_wild(void)
 {
-    struct set s = sets_create(3000);
-    uint64_t state = 7;
-    for (size_t i = 0; i < s.count; i++) {
-        double v[PROBE_INPUTS];
-        v[0] = cases_uniform(&state, 1.05, 3);
-        v[1] = exp(cases_uniform(&state, -7, 6.9));
-        for (int t = 0; t < 3; t++) {
-            v[2 + t] = cases_uniform(&state, -.52, .52);
-            v[5 + t] = exp(cases_uniform(&state, -6.3, 0));
-        }
-        v[8] = exp(cases_uniform(&state, -4.7, 0));
-        v[9] = i % 3 ? 1 : cases_uniform(&state, 0.71, 1.41);
-        v[10] = exp(cases_uniform(&state, -6.9, 0.69));
-        v[11] = cases_uniform(&state, -1.5707, 1.5707);
-        v[12] = cases_uniform(&state, -6, 6);
-        v[13] = cases_uniform(&state, -1.5707, 1.5707);
-        v[14] = cases_uniform(&state, -6, 6);
-        if (i % 4 == 0) {
-            double off = exp(cases_uniform(&state, -17, -2));
-            v[0] = i % 8 ? 2 + off : 2 - off;
-            v[11] = v[13] = cases_uniform(&state, -1e-3, 1e-3);
-            v[2] = v[3] = v[4] = 0;
-        }
-        s.c[i] = cases_from_doubles(v);
-    }
+    struct set s = sets_wild(3000);
     check_case("best_wild");
     if (sets_on_gpu(&s, best))
-        check_sane(&s);
+        CHECK(sets_sane(&s));
     sets_destroy(&s);
 }
 
@@ -295,26 +256,6 @@ static void test_continuity(void)
 }
 
 // --- symmetries, variants ----------------------------------------------------
-// The same: mirrored in the normal plane, mirrored along the fibre, the ellipse
-// turned by a quarter with its axes exchanged.
-static struct exact_case mirror(struct exact_case c, int kind)
-{
-    if (kind == 0) {
-        c.theta_j = -c.theta_j;
-        c.theta_o = -c.theta_o;
-        for (int t = 0; t < EXACT_MODES; t++)
-            c.alpha[t] = -c.alpha[t];
-    } else if (kind == 1) {
-        c.phi_j = -c.phi_j;
-        c.phi_o = -c.phi_o;
-    } else {
-        c.a = 1 / c.a;
-        c.phi_j += pi / 2;
-        c.phi_o += pi / 2;
-    }
-    return c;
-}
-
 static void test_symmetry(void)
 {
     static const char *const name[] = {"best_mirror_theta", "best_mirror_phi",
@@ -325,7 +266,7 @@ static void test_symmetry(void)
         check_case(name[kind]);
         bool ok = sets_on_gpu(&s, best);
         for (size_t i = 0; i < m.count; i++) {
-            m.c[i] = mirror(s.c[i], kind);
+            m.c[i] = cases_mirror(s.c[i], kind);
             for (int t = 0; t < EXACT_MODES; t++)
                 m.want[i][t] = (double)s.out[3 * i + (size_t)t];
         }

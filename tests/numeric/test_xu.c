@@ -171,20 +171,6 @@ static void test_convergence(void)
     sets_destroy(&s);
 }
 
-static void check_sane(const struct set *s)
-{
-    long bad = 0;
-    for (size_t i = 0; i < 3 * s->count; i++)
-        if (!(s->out[i] >= 0 && s->out[i] < 1e6f) && bad++ < 5) {
-            const float *v = s->in + PROBE_INPUTS * (i / 3);
-            printf("  mode %zu is %g for", i % 3, (double)s->out[i]);
-            for (int k = 0; k < PROBE_INPUTS; k++)
-                printf(" %.9g", (double)v[k]);
-            printf("\n");
-        }
-    CHECK(bad == 0);
-}
-
 // Every corner of the legal box, and its middle where that is special.
 static struct set corner_set(void)
 {
@@ -216,37 +202,6 @@ static struct set corner_set(void)
     return s;
 }
 
-// All over the legal box; and eta' = 2 from both sides, ever closer.
-static struct set wild_set(size_t count)
-{
-    struct set s = sets_create(count);
-    uint64_t state = 7;
-    for (size_t i = 0; i < count; i++) {
-        double v[PROBE_INPUTS];
-        v[0] = cases_uniform(&state, 1.05, 3);
-        v[1] = exp(cases_uniform(&state, -7, 6.9));
-        for (int t = 0; t < 3; t++) {
-            v[2 + t] = cases_uniform(&state, -.52, .52);
-            v[5 + t] = exp(cases_uniform(&state, -6.3, 0));
-        }
-        v[8] = exp(cases_uniform(&state, -4.7, 0));
-        v[9] = i % 3 ? 1 : cases_uniform(&state, 0.71, 1.41);
-        v[10] = exp(cases_uniform(&state, -6.9, 0.69));
-        v[11] = cases_uniform(&state, -1.5707, 1.5707);
-        v[12] = cases_uniform(&state, -6, 6);
-        v[13] = cases_uniform(&state, -1.5707, 1.5707);
-        v[14] = cases_uniform(&state, -6, 6);
-        if (i % 4 == 0) { // theta_d ~ 0, eta = eta' = 2 +- 10^-x
-            double off = exp(cases_uniform(&state, -17, -2));
-            v[0] = i % 8 ? 2 + off : 2 - off;
-            v[11] = v[13] = cases_uniform(&state, -1e-3, 1e-3);
-            v[2] = v[3] = v[4] = 0;
-        }
-        s.c[i] = cases_from_doubles(v);
-    }
-    return s;
-}
-
 static void test_extremes(void)
 {
     static const struct {
@@ -259,38 +214,17 @@ static void test_extremes(void)
          "xu_wild_m17_fine",
          {17, true, 2, 0, false, false}},
     };
-    struct set corners = corner_set(), wild = wild_set(20000);
+    struct set corners = corner_set(), wild = sets_wild(20000);
     for (size_t i = 0; i < sizeof way / sizeof way[0]; i++) {
         check_case(way[i].corner);
         if (sets_on_gpu(&corners, way[i].setup))
-            check_sane(&corners);
+            CHECK(sets_sane(&corners));
         check_case(way[i].wild);
         if (sets_on_gpu(&wild, way[i].setup))
-            check_sane(&wild);
+            CHECK(sets_sane(&wild));
     }
     sets_destroy(&corners);
     sets_destroy(&wild);
-}
-
-// What must be the same: mirrored in the normal plane (all theta and alpha
-// change sign), mirrored along the fibre (all phi change sign), the ellipse
-// turned by a quarter with its axes exchanged, and for a circle any turn.
-static struct exact_case mirror(struct exact_case c, int kind)
-{
-    if (kind == 0) {
-        c.theta_j = -c.theta_j;
-        c.theta_o = -c.theta_o;
-        for (int t = 0; t < EXACT_MODES; t++)
-            c.alpha[t] = -c.alpha[t];
-    } else if (kind == 1) {
-        c.phi_j = -c.phi_j;
-        c.phi_o = -c.phi_o;
-    } else {
-        c.a = 1 / c.a;
-        c.phi_j += pi / 2;
-        c.phi_o += pi / 2;
-    }
-    return c;
 }
 
 static void test_symmetry(void)
@@ -304,7 +238,7 @@ static void test_symmetry(void)
         check_case(name[kind]);
         bool ok = sets_on_gpu(&s, setup);
         for (size_t i = 0; i < m.count; i++) {
-            m.c[i] = mirror(s.c[i], kind);
+            m.c[i] = cases_mirror(s.c[i], kind);
             for (int t = 0; t < EXACT_MODES; t++)
                 m.want[i][t] = (double)s.out[3 * i + (size_t)t];
         }

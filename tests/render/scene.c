@@ -82,6 +82,19 @@ struct groom *scene_lock(int strands, int points)
     return g;
 }
 
+struct groom *scene_lock_tinted(int strands, int points)
+{
+    struct groom *g = scene_lock(strands, points);
+    g->opacity = bytes_zalloc(g->points, sizeof *g->opacity);
+    g->colour = bytes_zalloc(3 * (size_t)g->points, sizeof *g->colour);
+    for (uint32_t i = 0; i < g->points; i++) {
+        g->opacity[i] = 0.4f + 0.05f * (float)(i % 10);
+        for (unsigned c = 0; c < 3; c++)
+            g->colour[3 * i + c] = 0.2f + 0.1f * (float)((i + c) % 7);
+    }
+    return g;
+}
+
 void scene_turn(struct groom *g, float degrees)
 {
     double c = cos(degrees * M_PI / 180), s = sin(degrees * M_PI / 180);
@@ -139,6 +152,16 @@ void scene_params(struct params *p)
     const float far = 32 / tanf(10 * (float)M_PI / 180);
     memcpy(p->camera.eye, (float[3]){0, -far, 0}, 12);
     memcpy(p->camera.target, (float[3]){0, 0, 0}, 12);
+}
+
+void scene_shadowed(struct params *p, int samples, int rays, int resolution)
+{
+    scene_params(p);
+    p->hair.diameter = 0.6f;
+    p->quality.samples = samples;
+    p->shadow.method = 1;
+    p->shadow.rays = rays;
+    p->shadow.resolution = resolution;
 }
 
 static void must(bool ok, const struct error *err)

@@ -19,9 +19,14 @@ void scene_turn(struct groom *g, float degrees);
 struct sky_map *scene_constant_sky(float radiance);
 struct sky_map *scene_two_lamps(void); // a warm and a cool lamp on grey
 
+// A lock whose points have opacities and colours.
+struct groom *scene_lock_tinted(int strands, int points);
+
 // 96 x 64, few samples, a camera that sees the fan from the front with 1 pixel
 // = 1 unit in the plane y = 0.
 void scene_params(struct params *p);
+// The same with strands of .6 pixels that shadow themselves.
+void scene_shadowed(struct params *p, int samples, int rays, int resolution);
 
 // A renderer with groom and sky (both taken) and parameters; exits on failure.
 struct renderer *scene_renderer(struct groom *g, struct sky_map *m,

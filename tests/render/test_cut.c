@@ -18,12 +18,7 @@ static bool newer(void *ctx)
 
 static void base(struct params *p)
 {
-    scene_params(p);
-    p->hair.diameter = 0.6f;
-    p->quality.samples = 2;
-    p->shadow.method = 1;
-    p->shadow.rays = 1;
-    p->shadow.resolution = 32;
+    scene_shadowed(p, 2, 1, 32);
 }
 
 static void fibre(struct params *p, int k)

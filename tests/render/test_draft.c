@@ -9,14 +9,9 @@ enum { WIDTH = 192, HEIGHT = 128 };
 
 static void base(struct params *p)
 {
-    scene_params(p);
+    scene_shadowed(p, 3, 1, 40);
     p->image.width = WIDTH;
     p->image.height = HEIGHT;
-    p->hair.diameter = 0.6f;
-    p->quality.samples = 3;
-    p->shadow.method = 1;
-    p->shadow.rays = 1;
-    p->shadow.resolution = 40;
 }
 
 static void edit_fibre(struct params *p, int k)

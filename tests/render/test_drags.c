@@ -9,12 +9,7 @@
 
 static void base(struct params *p)
 {
-    scene_params(p);
-    p->hair.diameter = 0.6f;
-    p->quality.samples = 1;
-    p->shadow.method = 1;
-    p->shadow.rays = 0;
-    p->shadow.resolution = 32;
+    scene_shadowed(p, 1, 0, 32);
 }
 
 static struct renderer *rendered(const struct params *p)

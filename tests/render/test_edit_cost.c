@@ -116,12 +116,7 @@ enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
 static void base(struct params *p)
 {
-    scene_params(p);
-    p->hair.diameter = 0.6f;
-    p->quality.samples = 1;
-    p->shadow.method = 1;
-    p->shadow.rays = 0;
-    p->shadow.resolution = 40;
+    scene_shadowed(p, 1, 0, 40);
 }
 
 // The third edit of a kind: the first ones may make what is kept.

@@ -11,19 +11,6 @@
 
 enum { ALL, CROSSINGS = 8 }; // render.components
 
-static struct groom *groom(void)
-{
-    struct groom *g = scene_lock(60, 10);
-    g->opacity = bytes_zalloc(g->points, sizeof *g->opacity);
-    g->colour = bytes_zalloc(3 * (size_t)g->points, sizeof *g->colour);
-    for (uint32_t i = 0; i < g->points; i++) {
-        g->opacity[i] = 0.4f + 0.05f * (float)(i % 10);
-        for (unsigned c = 0; c < 3; c++)
-            g->colour[3 * i + c] = 0.2f + 0.1f * (float)((i + c) % 7);
-    }
-    return g;
-}
-
 // More lights than a pass takes, strands thinner and wider than a pixel.
 static void base(struct params *p)
 {
@@ -51,7 +38,8 @@ static void plain(struct params *p)
 
 static struct buf picture(const struct params *p, bool centres)
 {
-    struct renderer *r = scene_renderer(groom(), scene_two_lamps(), p);
+    struct renderer *r =
+        scene_renderer(scene_lock_tinted(60, 10), scene_two_lamps(), p);
     r->forward.centres = centres;
     r->picture.always_drawn = true; // or ids are of another raster
     struct buf b = scene_linear(r);
@@ -146,7 +134,8 @@ static void compare_all(void)
 
 static struct buf fresh(const struct params *p)
 {
-    struct renderer *r = scene_renderer(groom(), scene_two_lamps(), p);
+    struct renderer *r =
+        scene_renderer(scene_lock_tinted(60, 10), scene_two_lamps(), p);
     struct buf b = scene_linear(r);
     renderer_destroy(r);
     return b;
@@ -199,7 +188,8 @@ static void law(void)
 {
     struct params start;
     plain(&start);
-    struct renderer *r = scene_renderer(groom(), scene_two_lamps(), &start);
+    struct renderer *r =
+        scene_renderer(scene_lock_tinted(60, 10), scene_two_lamps(), &start);
     struct buf first = scene_linear(r);
     for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++) {
         char name[96];
@@ -228,7 +218,8 @@ static void unkept(void)
     plain(&p);
     check_case("transmittances kept or looked up: the same picture");
     struct buf want = fresh(&p);
-    struct renderer *r = scene_renderer(groom(), scene_two_lamps(), &p);
+    struct renderer *r =
+        scene_renderer(scene_lock_tinted(60, 10), scene_two_lamps(), &p);
     r->nodes_budget = 1;
     struct buf got = scene_linear(r);
     CHECK(r->nodes.first.bytes == 0 && r->nodes.rest.bytes == 0);
@@ -252,7 +243,8 @@ static void only_what_is_needed(void)
     plain(&p);
     p.quality.samples = 1;
     p.render.path = RENDERER_DIRECT;
-    struct renderer *r = scene_renderer(groom(), scene_two_lamps(), &p);
+    struct renderer *r =
+        scene_renderer(scene_lock_tinted(60, 10), scene_two_lamps(), &p);
     check_case("nothing of it is allocated unless it is selected");
     scene_finish(r);
     renderer_stats(r, &s);

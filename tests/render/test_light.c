@@ -7,12 +7,8 @@
 
 static void base(struct params *p)
 {
-    scene_params(p);
-    p->hair.diameter = 0.6f;
-    p->quality.samples = 4;
+    scene_shadowed(p, 4, 1, 40);
     p->quality.light_bound = p->quality.group_deg = 0;
-    p->shadow.method = 1;
-    p->shadow.resolution = 40;
 }
 
 static struct buf picture(const struct params *p)

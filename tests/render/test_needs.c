@@ -112,12 +112,8 @@ int main(int argc, char **argv)
 {
     struct params p;
     sky_helper_main(argc, argv);
-    scene_params(&p);
+    scene_shadowed(&p, 2, 0, 40);
     p.sky.lights = 6;
-    p.shadow.resolution = 40;
-    p.shadow.method = 1;
-    p.shadow.rays = 0;
-    p.quality.samples = 2;
     struct renderer *r =
         scene_renderer(scene_lock(60, 12), scene_two_lamps(), &p);
     for (int i = 0; i < params_row_count; i++)

@@ -7,12 +7,7 @@
 
 static void base(struct params *p)
 {
-    scene_params(p);
-    p->hair.diameter = 0.6f;
-    p->quality.samples = 3;
-    p->shadow.method = 1;
-    p->shadow.rays = 0;
-    p->shadow.resolution = 40;
+    scene_shadowed(p, 3, 0, 40);
     p->quality.group_deg = 0;
     CHECK(p->render.path == 2); // the default
 }

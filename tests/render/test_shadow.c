@@ -6,12 +6,7 @@
 
 static void base(struct params *p)
 {
-    scene_params(p);
-    p->hair.diameter = 0.6f;
-    p->quality.samples = 2;
-    p->shadow.method = 1;
-    p->shadow.rays = 1;
-    p->shadow.resolution = 40;
+    scene_shadowed(p, 2, 1, 40);
 }
 
 static const struct renderer_left_out *left_out(const struct renderer_stats *s,

@@ -7,28 +7,11 @@
 
 enum { STRANDS = 40, POINTS = 10 };
 
-static struct groom *groom(void)
-{
-    struct groom *g = scene_lock(STRANDS, POINTS);
-    g->opacity = bytes_zalloc(g->points, sizeof *g->opacity);
-    g->colour = bytes_zalloc(3 * (size_t)g->points, sizeof *g->colour);
-    for (uint32_t i = 0; i < g->points; i++) {
-        g->opacity[i] = 0.4f + 0.05f * (float)(i % 10);
-        for (unsigned c = 0; c < 3; c++)
-            g->colour[3 * i + c] = 0.2f + 0.1f * (float)((i + c) % 7);
-    }
-    return g;
-}
-
 static void base(struct params *p)
 {
-    scene_params(p);
-    p->hair.diameter = 0.6f;
-    p->quality.samples = 3;
+    // rays have a case of their own: they take another program
+    scene_shadowed(p, 3, 0, 40);
     p->view.background = 2;
-    p->shadow.method = 1;
-    p->shadow.rays = 0; // has a case of its own: it takes another program
-    p->shadow.resolution = 40;
 }
 
 // Another legal value of a row, as far from the one in use as it is sane.
@@ -84,7 +67,8 @@ static void drop(struct both *b)
 
 static struct both fresh(const struct params *p)
 {
-    struct renderer *r = scene_renderer(groom(), scene_two_lamps(), p);
+    struct renderer *r = scene_renderer(scene_lock_tinted(STRANDS, POINTS),
+                                        scene_two_lamps(), p);
     struct both b = take(r);
     renderer_destroy(r);
     return b;
@@ -120,7 +104,8 @@ static void law(enum way way)
     start.render.scheme = way != PAPER;
     if (way != DEFAULT)
         start.render.path = 0;
-    struct renderer *r = scene_renderer(groom(), scene_two_lamps(), &start);
+    struct renderer *r = scene_renderer(scene_lock_tinted(STRANDS, POINTS),
+                                        scene_two_lamps(), &start);
     struct both first = take(r);
     for (int i = 0; i < params_row_count; i++) {
         const struct params_row *row = &params_rows[i];
@@ -156,7 +141,7 @@ static void assets(void)
     struct both other = take(r), want = fresh(&p);
     check_case("another groom and sky = fresh");
     CHECK(!same(&other, &want));
-    CHECK(renderer_set_groom(r, groom(), &err));
+    CHECK(renderer_set_groom(r, scene_lock_tinted(STRANDS, POINTS), &err));
     CHECK(renderer_set_sky(r, scene_two_lamps(), &err));
     struct both edited = take(r);
     CHECK(same(&edited, &want));
@@ -173,7 +158,8 @@ static void refinement(void)
     p.quality.samples = 6;
     struct both want = fresh(&p);
     p.quality.samples = 2;
-    struct renderer *r = scene_renderer(groom(), scene_two_lamps(), &p);
+    struct renderer *r = scene_renderer(scene_lock_tinted(STRANDS, POINTS),
+                                        scene_two_lamps(), &p);
     struct both two = take(r);
     check_case("raising the samples continues to the same picture");
     p.quality.samples = 6;
@@ -216,7 +202,8 @@ static void rays(void)
     other.light.yaw = 50;
     other.fibre.sigma_a[0] = 2;
     other.camera.fov = 23;
-    struct renderer *r = scene_renderer(groom(), scene_two_lamps(), &other);
+    struct renderer *r = scene_renderer(scene_lock_tinted(STRANDS, POINTS),
+                                        scene_two_lamps(), &other);
     struct both first = take(r);
     renderer_set_params(r, &p);
     bool done;
@@ -296,7 +283,8 @@ static void stage_names(void)
     struct params p;
     base(&p);
     p.quality.samples = 1;
-    struct renderer *r = scene_renderer(groom(), scene_two_lamps(), &p);
+    struct renderer *r = scene_renderer(scene_lock_tinted(STRANDS, POINTS),
+                                        scene_two_lamps(), &p);
     check_case("the first picture runs all stages but the strands' upload");
     CHECK_STR(ran(r), "sky light tint crossings fibre visible shadow shade "
                       "resolve display read");
@@ -375,7 +363,8 @@ static void tints(void)
     };
     struct params p;
     base(&p);
-    struct renderer *r = scene_renderer(groom(), scene_two_lamps(), &p);
+    struct renderer *r = scene_renderer(scene_lock_tinted(STRANDS, POINTS),
+                                        scene_two_lamps(), &p);
     struct both shown = take(r);
     for (size_t i = 0; i < sizeof state / sizeof *state; i++) {
         char name[64];
@@ -404,7 +393,8 @@ static void refusals(void)
 {
     struct params p;
     base(&p);
-    struct renderer *r = scene_renderer(groom(), scene_two_lamps(), &p);
+    struct renderer *r = scene_renderer(scene_lock_tinted(STRANDS, POINTS),
+                                        scene_two_lamps(), &p);
     struct both before = take(r);
     struct error err = {0};
     struct params big = p;
