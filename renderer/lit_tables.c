@@ -291,8 +291,14 @@ static void dispatch_columns(const struct lit_tables *t)
                      GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-// Which place comes when, so that neighbours read the same cells.
-static bool sort_places(struct lit_tables *t, uint32_t places, unsigned bins,
+static void bind_output(const struct lit_tables *t, unsigned binding, int i)
+{
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, t->buffer[i]);
+}
+
+// Which place comes when.  The buffer of marks serves for the bins, that of
+// direct light for which of them a place is in.
+static bool sort_places(struct lit_tables *t, uint32_t places,
                         struct error *err)
 {
     for (int step = COUNT; step <= PUT; step++) {
@@ -301,19 +307,14 @@ static bool sort_places(struct lit_tables *t, uint32_t places, unsigned bins,
             return false;
         if (step != ADD)
             gl.ProgramUniform1ui(p, PLACES_LOCATION, places);
-        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, MARKS_BINDING, bins);
-        gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, VALUES_BINDING,
-                          t->buffer[ORDER]);
+        bind_output(t, MARKS_BINDING, MARKS);
+        bind_output(t, VALUES_BINDING, ORDER);
+        bind_output(t, CELLS_BINDING, DIRECT);
         gl_dispatch(step == ADD ? 1 : places);
         gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT |
                          GL_TEXTURE_FETCH_BARRIER_BIT);
     }
     return true;
-}
-
-static void bind_output(const struct lit_tables *t, unsigned binding, int i)
-{
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, t->buffer[i]);
 }
 
 static void clear(unsigned buffer)
@@ -333,12 +334,11 @@ bool lit_tables_keep(struct lit_tables *t, uint32_t places, struct error *err)
     t->recorded = false;
     if (t->places == 0)
         return true;
-    // the marks' buffer serves for the bins
     if (!grow(t, RECORDS, far + 16, err) || !grow(t, DIRECT, near + 16, err) ||
         !grow(t, ORDER, (uint64_t)places * ORDER_BYTES, err))
         return false;
     clear(t->buffer[MARKS]);
-    return sort_places(t, places, t->buffer[MARKS], err);
+    return sort_places(t, places, err);
 }
 
 void lit_tables_mark(struct lit_tables *t, unsigned program, unsigned made)

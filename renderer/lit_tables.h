@@ -56,8 +56,8 @@ void lit_tables_forget(struct lit_tables *t);
 bool lit_tables_marked(const struct lit_tables *t, unsigned made);
 bool lit_tables_recorded(const struct lit_tables *t, unsigned made);
 // If neither: makes room for records of so many places and sorts them (0, or
-// too many for a buffer: none are kept; the cells of the picture's first part
-// are bound), then clears the marks and binds what `program` needs, which marks
+// too many for a buffer: none are kept; the cells of the picture's first part,
+// lights and transmittances are bound), then clears the marks and binds what `program` needs, which marks
 // and makes records (shaders/lit_mark.comp).
 bool lit_tables_keep(struct lit_tables *t, uint32_t places, struct error *err);
 void lit_tables_mark(struct lit_tables *t, unsigned program, unsigned made);

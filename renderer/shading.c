@@ -381,6 +381,8 @@ static bool light_places(struct shading *s, const struct strands *strands,
         return true;
     const bool marked = lit_tables_marked(s->lit, how->made);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, strands->position);
+    if (how->nodes)
+        gl.BindTextureUnit(NODES_UNIT, how->nodes->texture);
     if (!marked && !lit_tables_recorded(s->lit, how->made) &&
         !lit_tables_keep(s->lit, how->nodes ? how->nodes->stride : 0, err))
         return false;
