@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "protocol/bytes.h"
+#include "renderer/sky.h"
 
 // The folder of real data, or NULL where it is not.
 static inline const char *sky_files_data(const char *folder)
@@ -60,6 +61,22 @@ static inline const char *sky_files_write(const void *data, size_t size)
     if (fd >= 0)
         close(fd);
     return path;
+}
+
+// The map of a file of these bytes.
+static inline struct sky_map *sky_files_load(const struct buf *b,
+                                             struct error *err)
+{
+    const char *path = sky_files_write(b->data, b->size);
+    struct sky_map *m = sky_load(path, err);
+    unlink(path);
+    return m;
+}
+
+static inline const float *sky_files_pixel(const struct sky_map *m, int x,
+                                           int y)
+{
+    return m->rgb + 3 * (y * m->width + x);
 }
 
 // --- OpenEXR without compression -------------------------------------------

@@ -11,19 +11,6 @@
 #include "tests/check.h"
 #include "tests/unit/sky_files.h"
 
-static struct sky_map *load_bytes(const struct buf *b, struct error *err)
-{
-    const char *path = sky_files_write(b->data, b->size);
-    struct sky_map *m = sky_load(path, err);
-    unlink(path);
-    return m;
-}
-
-static const float *pixel(const struct sky_map *m, int x, int y)
-{
-    return m->rgb + 3 * (y * m->width + x);
-}
-
 // The pixel in which a direction lies, by the rule of sky.h.
 static const float *toward(const struct sky_map *m, double x, double y,
                            double z)
@@ -32,15 +19,15 @@ static const float *toward(const struct sky_map *m, double x, double y,
     double r = sqrt(x * x + y * y + z * z);
     double u = 0.5 - atan2(y, x) / (2 * pi), v = 0.5 - asin(z / r) / pi;
     int px = (int)floor(u * m->width), py = (int)floor(v * m->height);
-    return pixel(m, (px + m->width) % m->width,
-                 py < m->height ? py : m->height - 1);
+    return sky_files_pixel(m, (px + m->width) % m->width,
+                           py < m->height ? py : m->height - 1);
 }
 
 // Loads, and expects the error to hold `words`.
 static void expect_refusal(const struct buf *b, const char *words)
 {
     struct error err = {0};
-    struct sky_map *m = load_bytes(b, &err);
+    struct sky_map *m = sky_files_load(b, &err);
     CHECK(m == NULL);
     if (!strstr(err.text, words)) {
         printf("  error \"%s\" does not say \"%s\"\n", err.text, words);
@@ -75,7 +62,7 @@ static struct sky_map *load_exr(const struct sky_files_exr *e,
 {
     struct buf b = {0};
     sky_files_make_exr(&b, e);
-    struct sky_map *m = load_bytes(&b, err);
+    struct sky_map *m = sky_files_load(&b, err);
     buf_finish(&b);
     return m;
 }
@@ -96,9 +83,9 @@ static void test_exr_channels(void)
         struct sky_map *m = load_exr(&e, &err);
         CHECK_STR(err.text, "");
         if (CHECK(m && m->width == 17 && m->height == 9)) {
-            CHECK_NEAR((double)pixel(m, 5, 7)[0], 5.5, 0);
-            CHECK_NEAR((double)pixel(m, 5, 7)[1], 7, 0);
-            CHECK_NEAR((double)pixel(m, 16, 8)[2], 2, 0);
+            CHECK_NEAR((double)sky_files_pixel(m, 5, 7)[0], 5.5, 0);
+            CHECK_NEAR((double)sky_files_pixel(m, 5, 7)[1], 7, 0);
+            CHECK_NEAR((double)sky_files_pixel(m, 16, 8)[2], 2, 0);
         }
         sky_map_destroy(m);
     }
@@ -109,7 +96,7 @@ static void test_exr_channels(void)
     struct sky_map *m = load_exr(&e, &err);
     CHECK_STR(err.text, "");
     for (int k = 0; m && k < 3; k++)
-        CHECK_NEAR((double)pixel(m, 7, 3)[k], 2, 0);
+        CHECK_NEAR((double)sky_files_pixel(m, 7, 3)[k], 2, 0);
     sky_map_destroy(m);
     check_case("exr luminance and chroma");
     e = (struct sky_files_exr){{0, 0, 15, 7}, {0, 0, 15, 7}, chroma, 3, -1,
@@ -118,7 +105,7 @@ static void test_exr_channels(void)
     CHECK_STR(err.text, "");
     // No chroma: grey; the library's filter rounds to half (2^-11).
     for (int k = 0; m && k < 3; k++)
-        CHECK_NEAR((double)pixel(m, 7, 3)[k], 2, 0.001);
+        CHECK_NEAR((double)sky_files_pixel(m, 7, 3)[k], 2, 0.001);
     sky_map_destroy(m);
 }
 
@@ -136,9 +123,9 @@ static void test_exr_windows(void)
     struct sky_map *m = load_exr(&e, &err);
     CHECK_STR(err.text, "");
     if (CHECK(m && m->width == 16 && m->height == 8)) {
-        CHECK_NEAR((double)pixel(m, 0, 0)[0], 0, 0);
-        CHECK_NEAR((double)pixel(m, 8, 4)[0], 4.5, 0);
-        CHECK_NEAR((double)pixel(m, 15, 7)[0], 11.5, 0);
+        CHECK_NEAR((double)sky_files_pixel(m, 0, 0)[0], 0, 0);
+        CHECK_NEAR((double)sky_files_pixel(m, 8, 4)[0], 4.5, 0);
+        CHECK_NEAR((double)sky_files_pixel(m, 15, 7)[0], 11.5, 0);
     }
     sky_map_destroy(m);
     check_case("exr overscan is cut");
@@ -149,13 +136,13 @@ static void test_exr_windows(void)
     wide.display[3] = 4;
     m = load_exr(&wide, &err);
     if (CHECK(m && m->width == 4 && m->height == 2))
-        CHECK_NEAR((double)pixel(m, 3, 1)[0], 9.5, 0);
+        CHECK_NEAR((double)sky_files_pixel(m, 3, 1)[0], 9.5, 0);
     sky_map_destroy(m);
     check_case("exr data window with envmap");
     e.envmap = 0;
     m = load_exr(&e, &err);
     if (CHECK(m && m->width == 8 && m->height == 4))
-        CHECK_NEAR((double)pixel(m, 0, 0)[0], 4.5, 0);
+        CHECK_NEAR((double)sky_files_pixel(m, 0, 0)[0], 4.5, 0);
     sky_map_destroy(m);
 }
 
@@ -243,10 +230,10 @@ static void test_cleaning(void)
     CHECK_STR(err.text, "");
     if (!CHECK(m != NULL))
         return;
-    CHECK_NEAR((double)pixel(m, 0, 2)[0], 0, 0);
-    CHECK_NEAR((double)pixel(m, 1, 2)[0], 65504, 0);
-    CHECK_NEAR((double)pixel(m, 2, 2)[0], 0, 0);
-    CHECK_NEAR((double)pixel(m, 3, 2)[0], 60000, 0);
+    CHECK_NEAR((double)sky_files_pixel(m, 0, 2)[0], 0, 0);
+    CHECK_NEAR((double)sky_files_pixel(m, 1, 2)[0], 65504, 0);
+    CHECK_NEAR((double)sky_files_pixel(m, 2, 2)[0], 0, 0);
+    CHECK_NEAR((double)sky_files_pixel(m, 3, 2)[0], 60000, 0);
     CHECK(m->cleaned.nan == 1 && m->cleaned.infinite == 1 &&
           m->cleaned.negative == 1);
     double q = sky_clean_solid_angle(2, 8, 4);
@@ -312,7 +299,7 @@ static void mean_of(const char *name, double mean[3])
     for (int y = 0; y < m->height; y++)
         for (int x = 0; x < m->width; x++)
             for (int k = 0; k < 3; k++)
-                mean[k] += (double)pixel(m, x, y)[k] *
+                mean[k] += (double)sky_files_pixel(m, x, y)[k] *
                            sky_clean_solid_angle(y, m->width, m->height);
     sky_map_destroy(m);
 }

@@ -7,24 +7,11 @@
 #include "tests/check.h"
 #include "tests/unit/sky_files.h"
 
-static struct sky_map *load_bytes(const struct buf *b, struct error *err)
-{
-    const char *path = sky_files_write(b->data, b->size);
-    struct sky_map *m = sky_load(path, err);
-    unlink(path);
-    return m;
-}
-
-static const float *pixel(const struct sky_map *m, int x, int y)
-{
-    return m->rgb + 3 * (y * m->width + x);
-}
-
 // Loads, and expects the error to hold `words`.
 static void expect_refusal(const struct buf *b, const char *words)
 {
     struct error err = {0};
-    struct sky_map *m = load_bytes(b, &err);
+    struct sky_map *m = sky_files_load(b, &err);
     CHECK(m == NULL);
     if (!strstr(err.text, words)) {
         printf("  error \"%s\" does not say \"%s\"\n", err.text, words);
@@ -64,11 +51,12 @@ static void test_rgbe_orientations(void)
         struct buf b = {0};
         struct error err = {0};
         rgbe_flat(&b, cases[i].resolution);
-        struct sky_map *m = load_bytes(&b, &err);
+        struct sky_map *m = sky_files_load(&b, &err);
         CHECK_STR(err.text, "");
         if (CHECK(m && m->width == 4 && m->height == 2)) {
-            const float *at[3] = {pixel(m, 0, 0), pixel(m, 3, 0),
-                                  pixel(m, 0, 1)};
+            const float *at[3] = {sky_files_pixel(m, 0, 0),
+                                  sky_files_pixel(m, 3, 0),
+                                  sky_files_pixel(m, 0, 1)};
             for (int k = 0; k < 3; k++)
                 CHECK_NEAR((double)at[k][0], 0.125 * (cases[i].want[k] + 1), 0);
             // EXPOSURE is ignored: 128 / 256 * 2^(129 - 128).
@@ -84,13 +72,14 @@ static void test_rgbe_orientations(void)
 static void check_rle(const struct buf *b)
 {
     struct error err = {0};
-    struct sky_map *m = load_bytes(b, &err);
+    struct sky_map *m = sky_files_load(b, &err);
     CHECK_STR(err.text, "");
     for (int y = 0; m && y < 8; y++)
         for (int x = 0; x < 16; x++) {
-            CHECK_NEAR((double)pixel(m, x, y)[0] * 256, y + 1, 0);
-            CHECK_NEAR((double)pixel(m, x, y)[1] * 256, x < 9 ? 5 : x + 1, 0);
-            CHECK_NEAR((double)pixel(m, x, y)[2] * 256, 3, 0);
+            CHECK_NEAR((double)sky_files_pixel(m, x, y)[0] * 256, y + 1, 0);
+            CHECK_NEAR((double)sky_files_pixel(m, x, y)[1] * 256,
+                       x < 9 ? 5 : x + 1, 0);
+            CHECK_NEAR((double)sky_files_pixel(m, x, y)[2] * 256, 3, 0);
         }
     sky_map_destroy(m);
 }
@@ -141,10 +130,10 @@ static void test_rgbe_runs(void)
         buf_append(&b, p, sizeof p);
     }
     struct error err = {0};
-    struct sky_map *m = load_bytes(&b, &err);
+    struct sky_map *m = sky_files_load(&b, &err);
     CHECK_STR(err.text, "");
     if (CHECK(m != NULL))
-        CHECK_NEAR((double)pixel(m, 599, 299)[0], 0.5, 0);
+        CHECK_NEAR((double)sky_files_pixel(m, 599, 299)[0], 0.5, 0);
     sky_map_destroy(m);
     buf_finish(&b);
 }

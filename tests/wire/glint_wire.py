@@ -324,6 +324,18 @@ class Daemon:
         return self.process.returncode, (err or b"").decode()
 
 
+def alone(daemon):
+    """A connection, once all others are gone and leave nothing behind."""
+    c = daemon.connect()
+    end = time.monotonic() + PATIENCE
+    while c.ask("stats")["clients"] > 1 and time.monotonic() < end:
+        time.sleep(0.05)
+    s = c.ask("stats")
+    equal((s["clients"], s["viewers"], s["captures_waiting"]), (1, 0, 0),
+          "nothing is left")
+    return c
+
+
 def baseline(daemon):
     """The request that sets every parameter to what it is now."""
     c = daemon.connect()
