@@ -9,11 +9,21 @@
 #include "renderer/gl.h"
 #include "renderer/program.h"
 
-enum { COLUMNS = 64, ROWS = 16, KEPT_BINDING = 12 }; // display.comp
+// display.comp
+enum { COLUMNS = 64, ROWS = 16, HEAD_BINDING = 12, BEHIND_BINDING = 13 };
+
+static _Atomic unsigned numbers; // of skies
 
 void display_init(struct display *d)
 {
     memset(d, 0, sizeof *d);
+}
+
+static void drop_kept(struct display_kept *k)
+{
+    gl.DeleteBuffers(1, &k->buffer);
+    k->buffer = 0;
+    k->bytes = 0;
 }
 
 static void drop_pixels(struct display *d)
@@ -24,9 +34,8 @@ static void drop_pixels(struct display *d)
     d->pixels = 0;
     d->mapped = NULL;
     d->size = 0;
-    gl.DeleteBuffers(1, &d->kept);
-    d->kept = 0;
-    d->kept_bytes = 0;
+    drop_kept(&d->head);
+    drop_kept(&d->behind);
 }
 
 void display_forget_sky(struct display *d)
@@ -104,6 +113,7 @@ static void upload_sky(struct display *d, const struct sky_map *map)
     gl.TextureParameteri(d->sky, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     gl.TextureParameteri(d->sky, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     d->sky_of = map;
+    d->sky_number = ++numbers;
 }
 
 static void copy3(float to[3], const float from[3])
@@ -111,44 +121,58 @@ static void copy3(float to[3], const float from[3])
     memcpy(to, from, 3 * sizeof *to);
 }
 
-static struct display_head head_of(const struct params *p,
+static struct display_view view_of(const struct params *p,
                                    const struct display_input *in)
 {
     const struct camera *c = in->camera;
-    struct display_head h = {.lights = in->lights->made,
-                             .width = p->image.width,
+    struct display_view v = {.width = p->image.width,
                              .height = p->image.height,
                              .tan_half = c->tan_half};
-    copy3(h.eye, c->eye);
-    copy3(h.right, c->right);
-    copy3(h.up, c->up);
-    copy3(h.forward, c->forward);
-    copy3(h.centre, in->strands->head_centre);
-    copy3(h.radius, in->strands->head_radius);
-    return h;
+    copy3(v.right, c->right);
+    copy3(v.up, c->up);
+    copy3(v.forward, c->forward);
+    return v;
 }
 
-// What the lights make of the head is kept while nothing of that changes: it
-// would cost as much as all the rest.  A pixel's has a stamp, for more of them
-// are seen with every sample.
+// What the lights make of the head and what the sky is behind are kept while
+// nothing of that changes: they would cost more than all the rest.  A pixel has
+// a stamp, for with every sample more of them are seen.
+static void keep(struct display_kept *k, const struct display_view *v,
+                 uint64_t bytes, unsigned binding)
+{
+    const uint32_t zero = 0;
+    if (k->bytes < bytes) {
+        gl.DeleteBuffers(1, &k->buffer);
+        k->buffer = gl_buffer(bytes, NULL, "behind the hair");
+        k->bytes = bytes;
+        gl.ClearNamedBufferData(k->buffer, GL_R32UI, GL_RED_INTEGER,
+                                GL_UNSIGNED_INT, &zero);
+    }
+    if (k->stamp == 0 || memcmp(v, &k->view, sizeof *v) != 0)
+        k->stamp++;
+    k->view = *v;
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, k->buffer);
+}
+
 static void keep_head(struct display *d, const struct params *p,
                       const struct display_input *in)
 {
-    const struct display_head h = head_of(p, in);
-    const uint32_t zero = 0;
     const bool shown = p->view.head && in->strands->has_head;
-    const uint64_t bytes = shown ? 4 * (uint64_t)d->size : 16;
-    if (d->kept_bytes < bytes) {
-        gl.DeleteBuffers(1, &d->kept);
-        d->kept = gl_buffer(bytes, NULL, "light on the head");
-        d->kept_bytes = bytes;
-        gl.ClearNamedBufferData(d->kept, GL_R32UI, GL_RED_INTEGER,
-                                GL_UNSIGNED_INT, &zero);
-    }
-    if (d->stamp == 0 || memcmp(&h, &d->head, sizeof h) != 0)
-        d->stamp++;
-    d->head = h;
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, KEPT_BINDING, d->kept);
+    struct display_view v = view_of(p, in);
+    v.source = in->lights->made;
+    copy3(v.eye, in->camera->eye);
+    copy3(v.centre, in->strands->head_centre);
+    copy3(v.radius, in->strands->head_radius);
+    keep(&d->head, &v, shown ? 4 * (uint64_t)d->size : 16, HEAD_BINDING);
+}
+
+static void keep_sky(struct display *d, const struct params *p,
+                     const struct display_input *in)
+{
+    struct display_view v = view_of(p, in);
+    v.source = d->sky_number;
+    memcpy(v.to_map, in->lights->to_map, sizeof v.to_map);
+    keep(&d->behind, &v, 4 * (uint64_t)d->size, BEHIND_BINDING);
 }
 
 static GLuint groups(int n, int of)
@@ -165,6 +189,7 @@ bool display_draw(struct display *d, const struct params *p,
     if (background == 2) {
         upload_sky(d, in->map);
         gl.BindTextureUnit(0, d->sky);
+        keep_sky(d, p, in);
     }
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 11, d->pixels);
     keep_head(d, p, in);
@@ -175,7 +200,7 @@ bool display_draw(struct display *d, const struct params *p,
     gl.ProgramUniform4f(program, 0, share * t[0], share * t[1], share * t[2],
                         share);
     gl.ProgramUniform4f(program, 1, t[0], t[1], t[2], exp2f(p->view.exposure));
-    gl.ProgramUniform1ui(program, 2, d->stamp);
+    gl.ProgramUniform2ui(program, 2, d->head.stamp, d->behind.stamp);
     gl.DispatchCompute(groups(p->image.width, COLUMNS),
                        GL_SPREAD * groups(p->image.height, GL_SPREAD * ROWS),
                        1);
@@ -186,7 +211,7 @@ bool display_draw(struct display *d, const struct params *p,
 
 uint64_t display_bytes(const struct display *d)
 {
-    return d->size + d->kept_bytes;
+    return d->size + d->head.bytes + d->behind.bytes;
 }
 
 void display_read(const struct display *d, struct buf *out)

@@ -15,12 +15,19 @@
 #include "renderer/sky.h"
 #include "renderer/strands.h"
 
-// All that the light on a pixel's head depends on.
-struct display_head {
-    unsigned lights; // lights.h: made
+// All that it depends on what a pixel shows behind the hair.
+struct display_view {
+    unsigned source; // which lights (lights.h: made), or which sky
     int width, height;
     float eye[3], right[3], up[3], forward[3], tan_half;
-    float centre[3], radius[3];
+    float centre[3], radius[3]; // of the head, or 0
+    float to_map[9];            // of the sky, or 0
+};
+struct display_kept { // ... kept pixel by pixel while it is the same
+    unsigned buffer;
+    uint64_t bytes;
+    unsigned stamp; // of the pixels that are of `view`
+    struct display_view view;
 };
 
 struct display {
@@ -28,12 +35,10 @@ struct display {
     unsigned pixels;     // buffer, RGBA8
     void *mapped;        // the same, for reading
     size_t size;
-    unsigned kept; // buffer: the lights on the head, pixel by pixel
-    uint64_t kept_bytes;
-    unsigned stamp; // ... of those that are of `head`
-    struct display_head head;
-    unsigned sky;       // texture, uploaded when it is to be seen
-    const void *sky_of; // the map it was made from
+    struct display_kept head, behind; // the lights on the head; the sky
+    unsigned sky;                     // texture, uploaded when it is to be seen
+    unsigned sky_number;              // no other one has had it
+    const void *sky_of;               // the map it was made from
 };
 
 void display_init(struct display *d);

@@ -96,6 +96,7 @@ static void lend_display(struct display *to, struct display *from)
     for (size_t i = 0; i < sizeof to->program / sizeof to->program[0]; i++)
         SWAP(unsigned, to->program[i], from->program[i]);
     SWAP(unsigned, to->sky, from->sky);
+    SWAP(unsigned, to->sky_number, from->sky_number);
     SWAP(const void *, to->sky_of, from->sky_of);
 }
 

@@ -1,10 +1,9 @@
 #version 450 core
 // The display picture: hair over head over background, exposure, tone curve,
-// 8 bits straight alpha.  An invocation does some pixels of a column: all as if
-// nothing were seen there, then again those that see hair before a plain
-// background, then those where more is seen.
-// (A renderer on a CPU runs both sides of a branch, but a loop's turns only
-// where there are any.)
+// 8 bits straight alpha.  An invocation does some pixels of a column: it finds
+// what each of them is, then does those of a kind one after the other.
+// (A renderer on a CPU runs both sides of a branch, and a loop's body once however
+// often it turns: so there is a loop over rows for each kind, and none inside.)
 #include "scene.glsl"
 #include "lights.glsl"
 #include "seen.glsl"
@@ -18,8 +17,10 @@ layout(std430, binding = 11) writeonly buffer Display { uint display[]; };
 layout(std430, binding = 12) buffer Kept { uvec4 kept[]; };
 layout(location = 0) uniform vec4 scale; // of sum: rgb the sky's tint / samples
 layout(location = 1) uniform vec4 tint;  // rgb of the sky's light; w: exposure
-layout(location = 2) uniform uint stamp;
+layout(location = 2) uniform uvec2 stamp; // of head and sky
 #ifdef BACKGROUND_SKY
+// The same of the sky that stands behind, before its tint.
+layout(std430, binding = 13) buffer Behind { uvec4 behind[]; };
 layout(binding = 0) uniform sampler2D sky;
 #endif
 
@@ -28,10 +29,10 @@ const uint ROWS = 16u; // of an invocation; display.c dispatches for so many
 
 // Irradiance of one SRBF light at a normal: exact for a narrow lobe, softened
 // at the terminator for a wide one.  Only scenery: no hair reads it.
-// e: the sum over the lights before `from`.
-vec3 head_irradiance(vec3 n, uint from, vec3 e)
+vec3 head_irradiance(vec3 n)
 {
-    for (uint j = from; j < light_count; j++) {
+    vec3 e = vec3(0.0);
+    for (uint j = 0u; j < light_count; j++) {
         float c = dot(n, lights[j].place.xyz);
         float soft = 0.5 * lights[j].place.w;
         float lit = 0.5 * (c + sqrt(c * c + soft * soft)) /
@@ -57,13 +58,21 @@ vec3 head_normal(vec3 ray)
     return normalize((o + t * d) / head_radius.xyz);
 }
 
-vec3 background(vec3 ray)
+#ifdef BACKGROUND_SKY
+vec3 sky_along(vec3 ray)
 {
-#if defined(BACKGROUND_SKY)
     vec3 d = mat3(sky_to_map) * ray;
     vec2 uv = vec2(0.5 - atan(d.y, d.x) / (2.0 * PI),
                    0.5 - asin(clamp(d.z, -1.0, 1.0)) / PI);
-    return textureLod(sky, uv, 0.0).rgb * tint_colour * exp2(tint_exposure);
+    return textureLod(sky, uv, 0.0).rgb;
+}
+#endif
+
+// Behind the hair of a pixel, once it is kept.
+vec3 background(uint at)
+{
+#ifdef BACKGROUND_SKY
+    return uintBitsToFloat(behind[at].rgb) * tint_colour * exp2(tint_exposure);
 #else
     return view_colour;
 #endif
@@ -92,6 +101,45 @@ uint shown(vec3 c, float a, vec3 behind)
     return packUnorm4x8(vec4(curve(c * tint.w), a));
 }
 
+// Rows of this invocation's column, a bit each, and its place.
+uint next_row(inout uint rows)
+{
+    uint i = uint(findLSB(rows));
+    rows &= rows - 1u;
+    return i;
+}
+
+void keep_heads(uint rows, uint first, uvec2 place, uint wide)
+{
+    uint cold = 0u, left = rows;
+    while (left != 0u) {
+        uint i = next_row(left);
+        cold |= kept[first + i * wide].w != stamp.x ? 1u << i : 0u;
+    }
+    while (cold != 0u) {
+        uint i = next_row(cold);
+        vec3 ray = ray_of(vec2(place + uvec2(0u, i)));
+        vec3 e = head_irradiance(head_normal(ray));
+        kept[first + i * wide] = uvec4(floatBitsToUint(e), stamp.x);
+    }
+}
+
+#ifdef BACKGROUND_SKY
+void keep_sky(uint rows, uint first, uvec2 place, uint wide)
+{
+    uint cold = 0u, left = rows;
+    while (left != 0u) {
+        uint i = next_row(left);
+        cold |= behind[first + i * wide].w != stamp.y ? 1u << i : 0u;
+    }
+    while (cold != 0u) {
+        uint i = next_row(cold);
+        vec3 c = sky_along(ray_of(vec2(place + uvec2(0u, i))));
+        behind[first + i * wide] = uvec4(floatBitsToUint(c), stamp.y);
+    }
+}
+#endif
+
 void main()
 {
     uint x = gl_GlobalInvocationID.x;
@@ -100,37 +148,39 @@ void main()
     if (x >= wide || y >= high)
         return;
     uint first = y * wide + x, rows = min(ROWS, high - y);
-    uint hairs = 0u, more = 0u, nothing = shown(vec3(0.0), 0.0, view_colour);
+    uint hairs = 0u, heads = 0u, empty = 0u, through = 0u;
+    uint nothing = shown(vec3(0.0), 0.0, view_colour);
     for (uint i = 0u; i < rows; i++) {
         uint at = first + i * wide, s = seen[at];
-        bool again = view_head == 1 && seen_head(s) > 0u;
+        bool of_head = view_head == 1 && seen_head(s) > 0u;
+        heads |= of_head ? 1u << i : 0u;
+        hairs |= !of_head && s >= SEEN_HAIR ? 1u << i : 0u;
 #ifdef BACKGROUND_SKY
-        again = again || float(seen_hair(s)) * scale.a < 1.0;
-#endif
-        more |= again ? 1u << i : 0u;
-        hairs |= !again && s >= SEEN_HAIR ? 1u << i : 0u;
+        empty |= !of_head && s < SEEN_HAIR ? 1u << i : 0u;
+        through |= of_head || float(seen_hair(s)) * scale.a < 1.0 ? 1u << i : 0u;
+#else
         display[at] = nothing;
+#endif
     }
+    keep_heads(heads, first, uvec2(x, y), wide);
+#ifdef BACKGROUND_SKY
+    keep_sky(through, first, uvec2(x, y), wide);
+    while (empty != 0u) {
+        uint at = first + next_row(empty) * wide;
+        display[at] = shown(vec3(0.0), 0.0, background(at));
+    }
+#endif
     while (hairs != 0u) {
-        uint at = first + uint(findLSB(hairs)) * wide;
-        hairs &= hairs - 1u;
+        uint at = first + next_row(hairs) * wide;
         vec4 hair = sum[at] * scale;
-        display[at] = shown(hair.rgb, hair.a, view_colour);
+        display[at] = shown(hair.rgb, hair.a, background(at));
     }
-    while (more != 0u) {
-        uint i = uint(findLSB(more)), at = first + i * wide;
-        more &= more - 1u;
+    while (heads != 0u) {
+        uint at = first + next_row(heads) * wide;
         vec4 hair = sum[at] * scale;
-        float h = view_head == 1 ? float(seen_head(seen[at])) * scale.w : 0.0;
-        vec3 ray = ray_of(vec2(x, y + i)), e = vec3(0.0);
-        for (uint k = h > 0.0 ? 0u : 1u; k < 1u; k++) {
-            uvec4 old = kept[at];
-            uint from = old.w == stamp ? light_count : 0u;
-            e = from > 0u ? uintBitsToFloat(old.rgb) : vec3(0.0);
-            e = head_irradiance(head_normal(ray), from, e);
-            kept[at] = uvec4(floatBitsToUint(e), stamp);
-        }
+        float h = float(seen_head(seen[at])) * scale.w;
+        vec3 e = uintBitsToFloat(kept[at].rgb);
         vec3 c = hair.rgb + h * (e * tint.rgb * (0.09 / PI)); // dark and neutral
-        display[at] = shown(c, hair.a + h, background(ray));
+        display[at] = shown(c, hair.a + h, background(at));
     }
 }
