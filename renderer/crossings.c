@@ -1,6 +1,6 @@
-// crossings.c - the grid's box and memory, the atlas of tiles, which light has
-// which of them.  What is in a voxel is crossings_grid.c's business, which
-// directions stand for a light crossings_ways.c's, what is in a tile
+// crossings.c - the grid's box and memory, the field's, how many directions a
+// light has.  What is in a voxel is crossings_grid.c's business, which
+// directions stand for a light crossings_ways.c's, what is in the field
 // crossings_sweep.c's, how they are looked up shaders/shadow.glsl's.
 #include "renderer/crossings.h"
 
@@ -62,9 +62,10 @@ bool crossings_init_beside(struct crossings *c, const struct crossings *of,
 
 static void forget_ways(struct crossings *c)
 {
-    gl.DeleteTextures(1, &c->atlas);
-    c->atlas = 0;
-    memset(c->tiles, 0, sizeof c->tiles);
+    gl.DeleteTextures(1, &c->field_texture);
+    gl.DeleteBuffers(1, &c->field);
+    c->field = c->field_texture = 0;
+    c->field_size = 0;
     c->stats.ways_bytes = 0;
     c->stats.ways = c->stats.lights = 0;
 }
@@ -134,21 +135,22 @@ static void choose_box(struct crossings *c, const float low[3],
     memcpy(c->stats.size, c->size, sizeof c->size);
 }
 
-// How many tiles the device's 3-D textures hold at most.
-static int most_tiles(const struct crossings *c, int limit)
+// Of the field for so many ways, in texels of a bank of slots each.
+static uint64_t field_texels(const struct crossings *c, int ways)
 {
-    int64_t n = 1;
-    for (int k = 0; k < 3; k++)
-        n *= limit / c->size[k];
-    const int most = CROSSINGS_WAYS_MAX / 4;
-    return n > most ? most : (int)n;
+    const int slots = crossings_ways_slots(ways);
+    return (uint64_t)((slots + CROSSINGS_BANK - 1) / CROSSINGS_BANK) *
+           crossings_voxels(c);
 }
 
-static int limit_3d(void)
+// How many banks the device holds at most.
+static int most_banks(const struct crossings *c)
 {
-    GLint limit = 0;
-    gl.GetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &limit);
-    return limit - 1; // room for gl_texture_side
+    GLint texels = 0;
+    gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+    const uint64_t n = (uint64_t)texels / crossings_voxels(c);
+    const int most = CROSSINGS_WAYS_MAX / CROSSINGS_BANK;
+    return n > (uint64_t)most ? most : (int)n;
 }
 
 static bool fits(const struct crossings *c)
@@ -157,7 +159,7 @@ static bool fits(const struct crossings *c)
     gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &block);
     const uint64_t voxels = crossings_voxels(c);
     const int ways = c->options.ways > 0 ? c->options.ways : usual_ways;
-    return 16 * voxels <= (uint64_t)block && most_tiles(c, limit_3d()) > 0 &&
+    return CROSSINGS_BANK * voxels <= (uint64_t)block && most_banks(c) > 0 &&
            (c->options.budget == 0 ||
             (32 + (uint64_t)ways) * voxels <=
                 c->options.budget / (c->options.map ? 2 : 1));
@@ -266,35 +268,12 @@ bool crossings_build_grid(struct crossings *c, const struct groom *g,
 
 // --- directions --------------------------------------------------------------
 
-// How the tiles of so many ways lie: along z first, close in memory to what is
-// looked up with them.  Depends on nothing but their number, or else a lookup's
-// last bit would tell of what was in the atlas before.  Returns the atlas's
-// bytes.
-static uint64_t lay_tiles(const struct crossings *c, int ways, int tiles[3])
-{
-    const int limit = limit_3d(), count = crossings_ways_tiles(ways);
-    const int z = limit / c->size[Z], y = limit / c->size[Y];
-    tiles[X] = (count + z * y - 1) / (z * y);
-    tiles[Y] = (count + tiles[X] * z - 1) / (tiles[X] * z);
-    tiles[Z] = (count + tiles[X] * tiles[Y] - 1) / (tiles[X] * tiles[Y]);
-    uint64_t bytes = 4;
-    for (int k = 0; k < 3; k++)
-        bytes *= (uint64_t)gl_texture_side(tiles[k] * c->size[k]);
-    return bytes;
-}
-
-// Of the atlas for so many ways.
-static uint64_t atlas_bytes(const struct crossings *c, int ways)
-{
-    int tiles[3];
-    return ways > 0 ? lay_tiles(c, ways, tiles) : 0;
-}
-
 static bool has_room(const struct crossings *c, int ways)
 {
-    return crossings_ways_tiles(ways) <= most_tiles(c, limit_3d()) &&
+    const uint64_t texels = field_texels(c, ways);
+    return texels <= (uint64_t)most_banks(c) * crossings_voxels(c) &&
            (c->options.budget == 0 ||
-            c->stats.grid_bytes + atlas_bytes(c, ways) <= c->options.budget);
+            c->stats.grid_bytes + CROSSINGS_BANK * texels <= c->options.budget);
 }
 
 // Ways of each light, fewer by `shift` halvings; returns their sum.
@@ -324,10 +303,11 @@ static bool choose_counts(struct crossings *c, const struct crossings_light *l,
             "shadows: %d lights need %llu bytes for %d x %d x %d "
             "voxels; %llu and %d directions are possible",
             count,
-            (unsigned long long)(c->stats.grid_bytes + atlas_bytes(c, count)),
+            (unsigned long long)(c->stats.grid_bytes +
+                                 CROSSINGS_BANK * field_texels(c, count)),
             c->size[X], c->size[Y], c->size[Z],
             (unsigned long long)c->options.budget,
-            4 * most_tiles(c, limit_3d()));
+            CROSSINGS_BANK * most_banks(c));
     int total = count_ways(c, l, count, quality, 0);
     const int wanted = total;
     for (int shift = 1; !has_room(c, total); shift++)
@@ -351,15 +331,6 @@ static float share_of(const struct crossings_light *l, int ways)
     return fmaxf(l->lambda, 1e-4f) * sqrtf((float)M_PI / (float)ways);
 }
 
-// What a lookup reads of tile i.
-static void fill_tile(struct crossings *c, int i)
-{
-    for (int tile = i, a = Z; a >= X; a--) {
-        c->block->tile[i][a] = (float)(tile % c->tiles[a] * c->size[a]);
-        tile /= c->tiles[a];
-    }
-}
-
 static void fill_slot(struct crossings *c, const struct crossings_light *l,
                       int j, const float way[4])
 {
@@ -376,10 +347,9 @@ static void fill_slot(struct crossings *c, const struct crossings_light *l,
 static void fill_block(struct crossings *c, const struct crossings_light *l)
 {
     struct crossings_block *b = c->block;
-    for (int k = 0; k < 3; k++)
-        b->texel[k] = 1 / (float)gl_texture_side(c->tiles[k] * c->size[k]);
-    for (int i = 0; i < (int)b->all[0]; i++)
-        fill_tile(c, i);
+    b->all[1] = (uint32_t)c->size[X];
+    b->all[2] = (uint32_t)(c->size[X] * c->size[Y]);
+    b->all[3] = (uint32_t)crossings_voxels(c);
     for (int j = 0; j < c->stats.lights; j++) {
         const int first = (int)b->light[j][0], n = (int)b->light[j][1];
         b->light[j][2] = float_bits(l[j].lambda);
@@ -391,30 +361,30 @@ static void fill_block(struct crossings *c, const struct crossings_light *l)
     gl.NamedBufferSubData(c->uniform, 0, sizeof *b, b);
 }
 
-static bool make_atlas(struct crossings *c, struct error *err)
+// A bank lies where it lies however many there are: the buffer may be larger.
+static bool make_field(struct crossings *c, struct error *err)
 {
-    int tiles[3];
-    const uint64_t bytes = lay_tiles(c, c->stats.ways, tiles);
-    if (c->atlas && memcmp(tiles, c->tiles, sizeof tiles) == 0)
+    const uint64_t wanted =
+        CROSSINGS_BANK * c->block->all[0] * crossings_voxels(c);
+    if (c->field && c->field_size >= wanted && c->field_size / 2 <= wanted)
         return true;
-    gl.DeleteTextures(1, &c->atlas);
-    gl.CreateTextures(GL_TEXTURE_3D, 1, &c->atlas);
-    gl.TextureStorage3D(c->atlas, 1, GL_RGBA8,
-                        gl_texture_side(tiles[X] * c->size[X]),
-                        gl_texture_side(tiles[Y] * c->size[Y]),
-                        gl_texture_side(tiles[Z] * c->size[Z]));
-    gl.TextureParameteri(c->atlas, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    gl.TextureParameteri(c->atlas, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    gl.TextureParameteri(c->atlas, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    gl.TextureParameteri(c->atlas, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    gl.TextureParameteri(c->atlas, GL_TEXTURE_WRAP_R, GL_CLAMP_TO_EDGE);
-    gl.ObjectLabel(GL_TEXTURE, c->atlas, -1, "crossings");
-    memcpy(c->tiles, tiles, sizeof tiles);
-    c->stats.ways_bytes = bytes;
-    if (gl_check("the shadows' directions", err))
-        return true;
+    const int lights = c->stats.lights, ways = c->stats.ways;
     forget_ways(c);
-    return false;
+    c->field_size = gl_texture_buffer_size(wanted);
+    gl.CreateBuffers(1, &c->field);
+    gl.NamedBufferStorage(c->field, (GLsizeiptr)c->field_size, NULL, 0);
+    gl.ObjectLabel(GL_BUFFER, c->field, -1, "crossings");
+    gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &c->field_texture);
+    gl.TextureBuffer(c->field_texture, GL_RGBA32UI, c->field);
+    gl.ObjectLabel(GL_TEXTURE, c->field_texture, -1, "crossings");
+    if (!gl_check("the shadows' directions", err)) {
+        forget_ways(c);
+        return false;
+    }
+    c->stats.ways_bytes = c->field_size;
+    c->stats.lights = lights;
+    c->stats.ways = ways;
+    return true;
 }
 
 bool crossings_update(struct crossings *c, const struct crossings_light *lights,
@@ -430,7 +400,7 @@ bool crossings_update(struct crossings *c, const struct crossings_light *lights,
     if (c->stats.ways == 0) // nothing to look up
         return true;
     crossings_ways_lay(c, lights);
-    if (!make_atlas(c, err))
+    if (!make_field(c, err))
         return false;
     fill_block(c, lights);
     gl.QueryCounter(c->query[0], GL_TIMESTAMP);
@@ -454,7 +424,7 @@ bool crossings_has_lists(const struct crossings *c)
 void crossings_bind(struct crossings *c, const struct strands *s)
 {
     gl.BindBufferBase(GL_UNIFORM_BUFFER, CROSSINGS_UNIFORM_BINDING, c->uniform);
-    gl.BindTextureUnit(CROSSINGS_TEXTURE_UNIT, c->atlas);
+    gl.BindTextureUnit(CROSSINGS_TEXTURE_UNIT, c->field_texture);
     if (c->options.map)
         crossings_map_bind(c);
     else if (c->rays.list[0] && s)

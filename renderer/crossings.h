@@ -93,14 +93,14 @@ struct crossings { // zero-initialised is empty; all fields are private
     struct crossings_block *block; // what the uniform block holds
     float box_min[3], voxel;       // world
     float hair_min[3], hair_max[3];
-    int size[3];          // voxels, multiples of 4
-    unsigned tensor[2];   // 3-D textures: rho, rho A_xx, A_yy, A_zz; rho A_yz,
-                          // A_zx, A_xy
-    unsigned atlas;       // 3-D texture: a tile four directions
-    int tiles[3];         // tiles of the atlas along x, y, z
-    unsigned uniform;     // buffer
-    struct {              // for rays; 0 until crossings_build_lists
-        unsigned list[2]; // buffers: where a cell's pieces start, the pieces
+    int size[3];        // voxels, multiples of 4
+    unsigned tensor[2]; // 3-D textures: rho, rho A_xx, A_yy, A_zz; rho A_yz,
+                        // A_zx, A_xy
+    unsigned field, field_texture; // a buffer, as a texture too: shadow.glsl
+    uint64_t field_size;           // bytes
+    unsigned uniform;              // buffer
+    struct {                       // for rays; 0 until crossings_build_lists
+        unsigned list[2];    // buffers: where a cell's pieces start, the pieces
         unsigned texture[5]; // these, and the strands' points, indices and
                              // opacities, as texture buffers
         unsigned of[3];      // the strands' buffers that these look into
@@ -112,18 +112,17 @@ struct crossings { // zero-initialised is empty; all fields are private
         uint64_t cells_size;
         unsigned program[4];
     } map;
-    // Directions that follow the same axis the same way are swept together:
-    // slots from a first one on, a multiple of 4.
+    // Directions that follow the same axis the same way, along x, y, z, each
+    // down and up: slots from a first one on, a multiple of 4.
     struct {
         int first, count;
     } swept[6];
     int slots_way[CROSSINGS_WAYS_MAX]; // of block->way
-    unsigned ways, state, bytes;       // scratch: directions of a group, the
-                                       // slice at hand, finished tiles
-    unsigned before;                   // `state` as a texture
-    uint64_t state_size, bytes_size;
-    unsigned sweep[3]; // programs
-    bool borrowed;     // these are another's
+    unsigned ways, state; // scratch: directions, the slices at hand
+    unsigned before;      // `state` as a texture
+    uint64_t state_size;
+    unsigned sweep; // program
+    bool borrowed;  // it is another's
     unsigned query[4];
     bool timed;          // the queries hold a sweep that was not read yet
     struct watch *watch; // NULL, or cuts what takes long, which then is false

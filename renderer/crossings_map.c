@@ -227,32 +227,14 @@ static void sum(struct crossings *c, int first, int count)
     gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
 }
 
-// `most` tiles at a time.
-static void sample(struct crossings *c, int most)
+static void sample(struct crossings *c)
 {
     const GLuint program = c->map.program[SPARSE];
-    const uint64_t voxels = crossings_voxels(c);
-    const int tiles = (int)c->block->all[0];
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, c->map.cells);
+    const GLuint voxels = (GLuint)crossings_voxels(c);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, c->field);
     program_use(program);
-    for (int first = 0, count; first < tiles; first += count) {
-        count = tiles - first < most ? tiles - first : most;
-        gl.ProgramUniform2ui(program, AT_RANGE, (GLuint)count, (GLuint)first);
-        gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-        gl.DispatchCompute((GLuint)(voxels + GROUP - 1) / GROUP, (GLuint)count,
-                           1);
-        gl.MemoryBarrier(GL_PIXEL_BUFFER_BARRIER_BIT);
-        gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, c->map.cells);
-        for (int i = 0; i < count; i++) {
-            const float *at = c->block->tile[first + i];
-            const uintptr_t from = (uintptr_t)(4 * voxels * (uint64_t)i);
-            gl.TextureSubImage3D(c->atlas, 0, (GLint)at[0], (GLint)at[1],
-                                 (GLint)at[2], c->size[0], c->size[1],
-                                 c->size[2], GL_RGBA, GL_UNSIGNED_BYTE,
-                                 (const void *)from);
-        }
-        gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
-    }
+    gl.DispatchCompute((voxels + GROUP - 1) / GROUP, c->block->all[0], 1);
+    gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
 bool crossings_map_run(struct crossings *c, const struct crossings_light *l,
@@ -274,10 +256,7 @@ bool crossings_map_run(struct crossings *c, const struct crossings_light *l,
     for (int j = 0; j < lights; j++)
         put_frame(c, j, &l[j]);
     gl.NamedBufferSubData(m->uniform, 0, sizeof *m->block, m->block);
-    // a light's cells, or a tile's samples, whichever are more
-    const uint64_t tile = 4 * crossings_voxels(c),
-                   map = bytes_of(side, m->layers);
-    const uint64_t each = map > tile ? map : tile;
+    const uint64_t each = bytes_of(side, m->layers); // a light's cells
     int most = (int)(scratch_most / each);
     most = most < 1 ? 1 : most > lights ? lights : most;
     grow_cells(c, each * (uint64_t)most);
@@ -287,7 +266,7 @@ bool crossings_map_run(struct crossings *c, const struct crossings_light *l,
         splat(c, first, count);
         sum(c, first, count);
     }
-    sample(c, most);
+    sample(c);
     return true;
 }
 

@@ -13,15 +13,14 @@ struct crossings_block {
     float head[4];    // centre; 1 where there is a head
     float inverse[4]; // 1 / radius; reach of rays in cells
     float cells[4];   // of the lists; cells a voxel, along an axis
-    uint32_t all[4];  // tiles
+    uint32_t all[4];  // banks; texels to the next along y, z, bank
     uint32_t light[CROSSINGS_LIGHTS_MAX][4]; // first way, ways; float bits:
                                              // lambda, width of a way's share
     float centre[CROSSINGS_LIGHTS_MAX][4];
-    float way[CROSSINGS_WAYS_MAX][4];      // direction, slot
-    float slot[CROSSINGS_WAYS_MAX][4];     // direction in units of the head's
-                                           // radii, 1 / width of its share
-    uint32_t run[CROSSINGS_WAYS_MAX];      // see shadow.glsl: RUN_*
-    float tile[CROSSINGS_WAYS_MAX / 4][4]; // corner, voxels
+    float way[CROSSINGS_WAYS_MAX][4];  // direction, slot
+    float slot[CROSSINGS_WAYS_MAX][4]; // direction in units of the head's
+                                       // radii, 1 / width of its share
+    uint32_t run[CROSSINGS_WAYS_MAX];  // see shadow.glsl: RUN_*
 };
 
 // What is done after a slot (shadow.glsl has the same numbers).
@@ -54,17 +53,17 @@ void crossings_grid_splat(const struct crossings_hair *h, const int size[3],
 void crossings_lists_forget(struct crossings *c);
 void crossings_lists_bind(struct crossings *c, const struct strands *s);
 
-// --- crossings_sweep.c: what is in a tile
+// --- crossings_sweep.c: what is in the field
 // of: whose programs to use; NULL: own ones
 bool crossings_sweep_init(struct crossings *c, const struct crossings *of,
                           struct error *err);
 void crossings_sweep_finish(struct crossings *c);
 void crossings_sweep_forget(struct crossings *c); // scratch memory
-// Fills the tiles of stats.ways directions, which block->way holds.
+// Fills the field with stats.ways directions, which block->way holds.
 // False where it was cut.
 bool crossings_sweep_run(struct crossings *c);
 
-// --- crossings_map.c: depth maps, and the tiles that are sampled from them
+// --- crossings_map.c: depth maps, and the field that is sampled from them
 bool crossings_map_run(struct crossings *c, const struct crossings_light *l,
                        struct error *err);
 void crossings_map_bind(const struct crossings *c);
@@ -72,6 +71,7 @@ void crossings_map_forget(struct crossings *c);
 void crossings_map_finish(struct crossings *c);
 
 // --- crossings.c
+enum { CROSSINGS_BANK = 16 }; // slots of a texel, a byte each
 uint64_t crossings_voxels(const struct crossings *c);
 
 // --- crossings_ways.c: the directions that stand for a lobe
@@ -81,9 +81,9 @@ int crossings_ways_count(const struct crossings_light *l,
                          enum crossings_quality quality);
 void crossings_ways_direction(const struct crossings_light *l, int i, int count,
                               float out[3]);
-// Four directions a tile, of those that are swept together: at most so many
-// tiles.
-int crossings_ways_tiles(int ways);
+// Slots for so many directions, at most.  The four of a word are swept
+// together.
+int crossings_ways_slots(int ways);
 // Fills block->all, way and run, swept and slots_way, for stats.lights.
 void crossings_ways_lay(struct crossings *c, const struct crossings_light *l);
 

@@ -1,5 +1,5 @@
 // crossings_ways.c - the few directions along which a lobe is looked up, and
-// which slot of which tile has them.
+// which slot has them.
 #include "renderer/crossings_private.h"
 
 #include <math.h>
@@ -91,10 +91,10 @@ static int group_of(const float d[3])
     return 2 * a + (d[a] > 0);
 }
 
-int crossings_ways_tiles(int ways)
+int crossings_ways_slots(int ways)
 {
-    const int most = (ways + 3 * GROUPS) / 4;
-    return ways < most ? ways : most;
+    const int most = (ways + 3 * GROUPS) / 4; // words
+    return 4 * (ways < most ? ways : most);
 }
 
 // The directions of light j in the order of their groups.
@@ -154,5 +154,5 @@ void crossings_ways_lay(struct crossings *c, const struct crossings_light *l)
         c->swept[g].count = at - c->swept[g].first;
         at = (at + 3) / 4 * 4;
     }
-    c->block->all[0] = (uint32_t)at / 4;
+    c->block->all[0] = ((uint32_t)at + CROSSINGS_BANK - 1) / CROSSINGS_BANK;
 }

@@ -65,6 +65,7 @@
     F(DELETEBUFFERS, DeleteBuffers)                                            \
     F(BINDBUFFER, BindBuffer)                                                  \
     F(BINDBUFFERBASE, BindBufferBase)                                          \
+    F(BINDBUFFERRANGE, BindBufferRange)                                        \
     F(CREATETEXTURES, CreateTextures)                                          \
     F(TEXTURESTORAGE2D, TextureStorage2D)                                      \
     F(TEXTURESUBIMAGE2D, TextureSubImage2D)                                    \

@@ -7,19 +7,20 @@
 // is looked up and what is beside it.  So all directions are looked up at the
 // same place.
 //
-// The group's directions share the axis that they follow most, a; b and c are
-// the two across it.  Invocations: four voxels along b, one of c, a few
-// directions, which share what is read of the voxels.
+// Directions that follow the same axis most, a, and the same way are a group; b
+// and c are the two across it.  Invocations: four voxels along b, one of c; a
+// chunk, some directions of a group, which share what is read of the voxels.
 #include "shadow_fall.glsl"
 layout(local_size_x = 64) in;
-layout(location = 0) uniform uvec3 size; // voxels along b, c, a
-layout(location = 1) uniform uvec4 to;   // steps of a tile's words: b, c, a;
-                                         // words of a tile
-layout(location = 2) uniform uint turn;  // slices done before this one
-layout(location = 3) uniform uint count; // directions
+layout(location = 0) uniform uvec3 size;  // voxels along x, y, z
+layout(location = 1) uniform uint turn;   // slices done before this one
+layout(location = 2) uniform uint stride; // entries of a direction's two slices
+layout(location = 3) uniform uint axis;
 
-// directions towards the light: along b, c, a
-layout(std140, binding = 1) uniform Ways { vec4 ways[1024]; };
+layout(std140, binding = 1) uniform Ways {
+    uvec4 chunks[256]; // first slot, end; 1 where the axis is followed up
+    vec4 ways[1024];   // towards the light: along b, c, a
+};
 // rho, rho A_xx, A_yy, A_zz; A_yz, A_zx, A_xy
 layout(binding = 0) uniform sampler3D straight;
 layout(binding = 1) uniform sampler3D crossed;
@@ -29,13 +30,16 @@ layout(binding = 2) uniform usamplerBuffer before;
 layout(std430, binding = 0) writeonly buffer State { uvec2 state[]; };
 layout(std430, binding = 1) writeonly buffer Bytes { uint words[]; };
 
-#if AXIS == 0 // b, c, a = y, z, x
-#define WORLD(v) v.zxy
-#elif AXIS == 1 // x, z, y
-#define WORLD(v) v.xzy
-#else // x, y, z
-#define WORLD(v) v.xyz
-#endif
+// Between x, y, z and b, c, a = y, z, x or x, z, y or x, y, z.
+vec3 world_of(vec3 v)
+{
+    return axis == 0u ? v.zxy : axis == 1u ? v.xzy : v;
+}
+
+uvec3 across_of(uvec3 v)
+{
+    return axis == 0u ? v.yzx : axis == 1u ? v.xzy : v;
+}
 
 // Fibre area that a line along w meets per voxel of its length: the mean of
 // sin over the voxel's fibres, taken as the root of the mean of sin^2.
@@ -61,27 +65,32 @@ vec4 past_of(int entry, int row, bool lower, vec2 part)
     return mix(left, right, part.x) * (1.0 / 65535.0);
 }
 
-uvec4 sweep(uvec2 cell, uint n, vec4 s[4], vec3 x[4])
+struct Place {
+    uvec3 dims;  // voxels along b, c, a
+    int inner;   // entry of the four voxels in a slice
+    vec4 s[4];
+    vec3 x[4];
+};
+
+uvec4 sweep(Place p, uint n)
 {
-    vec3 d = ways[n].xyz, w = WORLD(d);
+    vec3 d = ways[n].xyz, w = world_of(d);
     vec3 squares = w * w, products = 2.0 * w.yzx * w.zxy;
 
     // One slice towards the light the line is `shift` further.
     float path = 1.0 / abs(d.z), fall = -0.5 * SHADOW_FALL * path;
     vec2 shift = clamp(d.xy * path, -1.0, 1.0);
     vec2 base = min(floor(shift), 0.0), part = shift - base;
-    int row = int(size.x >> 2u) + 2, slice = row * (int(size.y) + 2);
-    int inner = (int(cell.y) + 1) * row + int(cell.x >> 2u) + 1;
-    int here = (2 * int(n) + (int(turn) & 1)) * slice + inner;
-    int from = (2 * int(n) + (~int(turn) & 1)) * slice + inner +
+    int row = int(p.dims.x >> 2u) + 2, slice = row * (int(p.dims.y) + 2);
+    int here = int(n * stride) + (int(turn) & 1) * slice + p.inner;
+    int from = int(n * stride) + (~int(turn) & 1) * slice + p.inner +
                int(base.y) * row + int(base.x);
 
-    vec4 half_step;
+    vec4 step_of;
     for (int k = 0; k < 4; k++)
-        half_step[k] = fall * met(s[k], x[k], squares, products);
-    half_step = exp(half_step);
+        step_of[k] = 2.0 * fall * met(p.s[k], p.x[k], squares, products);
     vec4 past = past_of(from, row, base.x < 0.0, part);
-    uvec4 beyond = uvec4(past * half_step * half_step * 65535.0 + 0.5);
+    uvec4 beyond = uvec4(past * exp(step_of) * 65535.0 + 0.5);
     state[here] = beyond.xz | beyond.yw << 16u;
     // never 0: as many as a byte can say, not infinitely many
     return max(uvec4(past * 255.0 + 0.5), uvec4(1u));
@@ -89,31 +98,33 @@ uvec4 sweep(uvec2 cell, uint n, vec4 s[4], vec3 x[4])
 
 void main()
 {
-    uint i = gl_GlobalInvocationID.x, fours = size.x >> 2u;
+    uvec4 chunk = chunks[gl_WorkGroupID.y];
+    Place p;
+    p.dims = across_of(size);
+    uint i = gl_GlobalInvocationID.x, fours = p.dims.x >> 2u;
     uint c = uint((float(i) + 0.5) / float(fours));
-    if (c >= size.y)
+    if (c >= p.dims.y)
         return;
-    uvec2 cell = uvec2(4u * (i - c * fours), c);
-    // all directions of an invocation go the same way along a
-    uint first = gl_WorkGroupID.y * TOGETHER;
-    bool up = ways[first].z > 0.0; // the light is where a is large
-    uint a = up ? size.z - 1u - turn : turn;
-    vec4 s[4];
-    vec3 x[4];
+    uint b = i - c * fours; // four voxels
+    p.inner = int((c + 1u) * (fours + 2u) + b + 1u);
+    // where it is followed up the light is where a is large
+    uint a = chunk.z != 0u ? p.dims.z - 1u - turn : turn;
     for (uint k = 0u; k < 4u; k++) {
-        ivec3 at = ivec3(WORLD(uvec3(cell.x + k, cell.y, a)));
-        s[k] = texelFetch(straight, at, 0);
-        x[k] = texelFetch(crossed, at, 0).xyz;
+        ivec3 at = ivec3(world_of(vec3(4u * b + k, c, a)));
+        p.s[k] = texelFetch(straight, at, 0);
+        p.x[k] = texelFetch(crossed, at, 0).xyz;
     }
-    uint end = min(first + TOGETHER, count);
-    uint at = cell.x * to.x + cell.y * to.y + a * to.z + (first >> 2u) * to.w;
+    // a voxel's texel is four words, of four slots each
+    uvec3 to = 4u * across_of(uvec3(1u, size.x, size.x * size.y));
+    uint bank = 4u * size.x * size.y * size.z;
+    uint voxel = 4u * b * to.x + c * to.y + a * to.z;
     uvec4 word = uvec4(0u);
-    for (uint n = first; n < end; n++) {
-        word |= sweep(cell, n, s, x) << (8u * (n & 3u));
-        if ((n & 3u) == 3u || n + 1u == end) {
+    for (uint n = chunk.x; n < chunk.y; n++) {
+        word |= sweep(p, n) << (8u * (n & 3u));
+        if ((n & 3u) == 3u || n + 1u == chunk.y) {
+            uint at = voxel + (n >> 4u) * bank + (n >> 2u & 3u);
             for (uint k = 0u; k < 4u; k++)
                 words[at + k * to.x] = word[k];
-            at += to.w;
             word = uvec4(0u);
         }
     }

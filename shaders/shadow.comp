@@ -35,6 +35,25 @@ vec4 add_slot(ShadowPlace s, uint slot, float q, uint run, vec4 sum, uint i)
     }
     return (run & RUN_END) != 0u ? vec4(0.0) : sum;
 }
+
+// The four slots of a word of the bank at hand.
+#define ADD_WORD(WORD, NUMBER)                                                 \
+    {                                                                          \
+        uint t = 4u * bank + NUMBER;                                           \
+        uvec4 run = shadow_run[t];                                             \
+        uvec4 low = uvec4(b.low[0].WORD, b.low[1].WORD, b.low[2].WORD,         \
+                          b.low[3].WORD);                                      \
+        uvec4 high = uvec4(b.high[0].WORD, b.high[1].WORD, b.high[2].WORD,     \
+                           b.high[3].WORD);                                    \
+        sum = add_slot(s, 4u * t, shadow_mixed(corner, low, high, 0u), run.x,  \
+                       sum, i);                                                \
+        sum = add_slot(s, 4u * t + 1u, shadow_mixed(corner, low, high, 1u),    \
+                       run.y, sum, i);                                         \
+        sum = add_slot(s, 4u * t + 2u, shadow_mixed(corner, low, high, 2u),    \
+                       run.z, sum, i);                                         \
+        sum = add_slot(s, 4u * t + 3u, shadow_mixed(corner, low, high, 3u),    \
+                       run.w, sum, i);                                         \
+    }
 #endif
 
 void main()
@@ -64,13 +83,13 @@ void main()
 #else
     ShadowPlace s = shadow_place(c.p);
     vec4 sum = vec4(0.0);
-    for (uint t = 0u; t < shadow_all.x; t++) {
-        vec4 q = shadow_read(s.g, t);
-        uvec4 run = shadow_run[t];
-        sum = add_slot(s, 4u * t, q.x, run.x, sum, i);
-        sum = add_slot(s, 4u * t + 1u, q.y, run.y, sum, i);
-        sum = add_slot(s, 4u * t + 2u, q.z, run.z, sum, i);
-        sum = add_slot(s, 4u * t + 3u, q.w, run.w, sum, i);
+    ShadowCorner corner = shadow_corner(s.g);
+    for (uint bank = 0u; bank < shadow_all.x; bank++) {
+        ShadowBank b = shadow_bank(corner, bank);
+        ADD_WORD(x, 0u)
+        ADD_WORD(y, 1u)
+        ADD_WORD(z, 2u)
+        ADD_WORD(w, 3u)
     }
 #endif
 }

@@ -26,15 +26,13 @@ layout(std140, binding = 5) uniform Crossings {
     vec4 shadow_head;    // centre; w = 1 where there is a head
     vec4 shadow_inverse; // 1 / the head's radii; reach of rays, cells
     vec4 shadow_cells;   // of the lists of fibres; cells a voxel
-    uvec4 shadow_all;    // tiles of all lights
+    uvec4 shadow_all;    // banks; texels to the next along y, z, bank
     uvec4 shadow_light[SHADOW_LIGHTS]; // first way, ways; lambda, a way's width
     vec4 shadow_centre[SHADOW_LIGHTS]; // of the lobe
     vec4 shadow_way[SHADOW_WAYS];      // direction; its slot
-    // Four slots a tile, one a channel: direction as the head sees it, 1 / the
-    // way's width
+    // Sixteen slots a bank: direction as the head sees it, 1 / the way's width
     vec4 shadow_slot[SHADOW_WAYS];
     uvec4 shadow_run[SHADOW_WAYS / 4u]; // what to do after a slot, see below
-    vec4 shadow_tile[SHADOW_WAYS / 4u]; // its corner, voxels
 };
 // After a slot: nothing, or a run of ways of one light ends here (or of none:
 // slots that no way has), which are summed into row - 1; where it is not the
@@ -42,7 +40,9 @@ layout(std140, binding = 5) uniform Crossings {
 // down (see shadow_run_bits).
 const uint RUN_ROW = 255u, RUN_END = 256u, RUN_AGAIN = 512u, RUN_SHARED = 1024u;
 const uint RUN_WAYS = 16u; // shift: of the light
-layout(binding = 8) uniform sampler3D shadow_atlas;
+// A bank after the other, a texel a voxel, x fastest, a byte a slot: what a
+// filter would do for four of them a lookup is done here for all sixteen.
+layout(binding = 8) uniform usamplerBuffer shadow_field;
 
 // A place as the grid sees it (voxels) and as the head does (from its centre,
 // in units of its radii, from inside on its surface).
@@ -75,13 +75,64 @@ float shadow_past_head(ShadowPlace s, vec3 d, float narrow)
     return shadow_head.w > 0.0 ? open : 1.0;
 }
 
-// What a tile's channels hold at g, in voxels: exp(-SHADOW_FALL n) along the
-// four slots' ways, from the voxel's side on (crossings_sweep.comp).
-vec4 shadow_read(vec3 g, uint tile)
+// The eight voxels about g, in voxels: the first one's texel in bank 0; what each
+// counts, over 255: along x, then y, at the lower z and the higher.
+struct ShadowCorner {
+    int at;
+    vec4 low, high;
+};
+
+ShadowCorner shadow_corner(vec3 g)
 {
-    vec3 t = clamp(g, vec3(0.5), shadow_size.xyz - 0.5);
-    return textureLod(shadow_atlas,
-                      (t + shadow_tile[tile].xyz) * shadow_texel.xyz, 0.0);
+    vec3 t = clamp(g, vec3(0.5), shadow_size.xyz - 0.5) - 0.5;
+    vec3 base = min(floor(t), shadow_size.xyz - 2.0), part = t - base;
+    uvec3 at = uvec3(base);
+    vec4 x = vec4(1.0 - part.x, part.x, 1.0 - part.x, part.x) * (1.0 / 255.0);
+    vec4 xy = x * vec4(vec2(1.0 - part.y), vec2(part.y));
+    ShadowCorner c;
+    c.at = int(at.x + at.y * shadow_all.y + at.z * shadow_all.z);
+    c.low = xy * (1.0 - part.z);
+    c.high = xy * part.z;
+    return c;
+}
+
+// A bank's texels about a place.
+struct ShadowBank {
+    uvec4 low[4], high[4];
+};
+
+ShadowBank shadow_bank(ShadowCorner c, uint bank)
+{
+    int y = int(shadow_all.y), z = int(shadow_all.z);
+    int i = c.at + int(bank * shadow_all.w), j = i + z;
+    ShadowBank b;
+    b.low[0] = texelFetch(shadow_field, i);
+    b.low[1] = texelFetch(shadow_field, i + 1);
+    b.low[2] = texelFetch(shadow_field, i + y);
+    b.low[3] = texelFetch(shadow_field, i + y + 1);
+    b.high[0] = texelFetch(shadow_field, j);
+    b.high[1] = texelFetch(shadow_field, j + 1);
+    b.high[2] = texelFetch(shadow_field, j + y);
+    b.high[3] = texelFetch(shadow_field, j + y + 1);
+    return b;
+}
+
+// exp(-SHADOW_FALL n) along a slot's way, from the voxel's side on
+// (crossings_sweep.comp).  low, high: its word of the eight texels.
+float shadow_mixed(ShadowCorner c, uvec4 low, uvec4 high, uint slot)
+{
+    uint shift = 8u * (slot & 3u);
+    return dot(vec4(low >> shift & 255u), c.low) +
+           dot(vec4(high >> shift & 255u), c.high);
+}
+
+float shadow_read(ShadowCorner c, uint slot)
+{
+    ShadowBank b = shadow_bank(c, slot >> 4u);
+    uint k = slot >> 2u & 3u;
+    return shadow_mixed(
+        c, uvec4(b.low[0][k], b.low[1][k], b.low[2][k], b.low[3][k]),
+        uvec4(b.high[0][k], b.high[1][k], b.high[2][k], b.high[3][k]), slot);
 }
 
 // The nodes of one way: powers of q = exp(-SHADOW_FALL n).
@@ -102,7 +153,7 @@ uvec2 shadow_pack(vec4 g)
     return shadow_pack_by(g, 0.5);
 }
 
-// The bits of a run.  A light's ways may be in six tiles, whose bits are added
+// The bits of a run.  A light's ways may be in six runs, whose bits are added
 // without a carry into the neighbour: six times up to an eighth is less than 1.
 uvec2 shadow_run_bits(vec4 sum, uint run)
 {
@@ -125,7 +176,7 @@ vec4 shadow_slot_nodes(ShadowPlace s, uint slot, float q)
 
 vec4 shadow_along(ShadowPlace s, uint slot)
 {
-    return shadow_slot_nodes(s, slot, shadow_read(s.g, slot >> 2u)[slot & 3u]);
+    return shadow_slot_nodes(s, slot, shadow_read(shadow_corner(s.g), slot));
 }
 
 // The very bits that shadow.comp makes of all lights at once.
@@ -222,7 +273,7 @@ uvec2 shadow_nodes_rays(uint light, vec3 p, vec3 u, uint segment, uint key,
         // what is read begins half a voxel's side further along the way
         vec3 g = s.g + (end / shadow_cells.w) * w -
                  d * (0.5 / max(a.x, max(a.y, a.z)));
-        float q = shadow_read(g, slot >> 2u)[slot & 3u];
+        float q = shadow_read(shadow_corner(g), slot);
         sum += open * vec4(near, 1.0) * shadow_powers(q);
         sum -= shadow_along(s, slot);
     }

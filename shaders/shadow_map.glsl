@@ -54,7 +54,7 @@ vec4 shadow_mapped(uint j, vec3 p, ShadowPlace s)
     uint slot = uint(shadow_way[l.x].w);
     vec4 h = shadow_slot[slot];
     float open = shadow_past_head(s, h.xyz, h.w);
-    float q = shadow_read(s.g, slot >> 2u)[slot & 3u];
+    float q = shadow_read(shadow_corner(s.g), slot);
     vec4 forward = shadow_powers(q);
     forward.x = exp(-n);
     forward.yz = max(forward.yz, forward.x);
