@@ -231,7 +231,9 @@ static void test_schema(void)
     CHECK(strstr(got, "{\"name\":\"fibre.eta\",\"group\":\"fibre\",\"title\":"
                       "\"Fibre\",\"type\":\"float\",\"unit\":\"\",\"default\":"
                       "1.55,\"min\":1.05,\"max\":3,\"choices\":[],\"auto\":"
-                      "false,\"doc\":\"") != NULL);
+                      "false,\"needs\":[],\"doc\":\"") != NULL);
+    CHECK(strstr(got, "\"needs\":[[\"render.multiple\",\"paper\"],[\"render."
+                      "multiple\",\"best\"]],\"doc\":") != NULL);
     CHECK(strstr(got, "\"type\":\"rgb\",\"unit\":\"1/radius\",\"default\":"
                       "[0.15,0.25,0.45],\"min\":0,\"max\":1000,") != NULL);
     CHECK(strstr(got, "\"type\":\"vec3\",\"unit\":\"world\",\"default\":"
