@@ -5,6 +5,7 @@
 #include "xu.glsl"
 #include "dual.glsl"
 #include "fast.glsl"
+#include "fast_far.glsl"
 #define LIT_WRITTEN
 #include "lit.glsl"
 #include "lit_far_column.glsl"
@@ -23,14 +24,15 @@ void main()
                     vec3(fibre_beta_r, fibre_beta_tt, fibre_beta_trt), fibre_w_c,
                     fibre_delta_eta);
     DualView view = dual_view(c.theta.x);
-    for (int i = 0; i < 3 * int(LIT_FAR_P); i++) {
-        int phi = i / 3, y = i - 3 * phi;
-        float across = (float(phi) + 0.5) / LIT_FAR_P;
+    for (int y = 0; y < 3; y++) {
         float sigma = exp(c.log_sigma + float(y - 1) / LIT_FAR_LOG);
-        vec3 sigma2 = vec3(sigma * sigma);
-        vec3 global = fast_global(f, c.theta.x, c.theta.y, across, sigma2);
-        vec3 local = dual_back(view, c.theta.y, sigma2) *
-                     ((1.0 - across) * (1.0 / LIT_PI)); // eq 30
-        value[3 * c.first + i] = vec4(global + fibre_d_b * local, 0.0);
+        FastFar g = fast_far_of(f, c.theta.x, c.theta.y, sigma * sigma);
+        vec3 local = dual_back(view, c.theta.y, vec3(sigma * sigma)) *
+                     (fibre_d_b / LIT_PI); // eq 30
+        for (int phi = 0; phi < int(LIT_FAR_P); phi++) {
+            float across = (float(phi) + 0.5) / LIT_FAR_P;
+            vec3 sum = fast_far_at(g, across) + local * (1.0 - across);
+            value[3 * (c.first + phi) + y] = vec4(sum, 0.0);
+        }
     }
 }

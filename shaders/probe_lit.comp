@@ -14,6 +14,7 @@
 #include "dual.glsl"
 #endif
 #include "fast.glsl"
+#include "fast_far.glsl"
 #include "fast_near.glsl"
 #include "fast_grazing.glsl"
 #include "lit.glsl"
@@ -81,12 +82,17 @@ vec3 near_cells(uint to, LitTable light, Srbf l, float theta_o, float across)
 }
 
 #ifdef WITH_MULTIPLE
+// Each channel with its own sigma_f; cells are made of one for all, and move.
 vec3 far_modes(Fibre f, float theta_j, float theta_o, float across, vec3 sigma)
 {
-    vec3 sigma2 = sigma * sigma;
+    vec3 sigma2 = sigma * sigma, global = vec3(0.0);
+    for (int k = 0; k < 3; k++) {
+        FastFar g = fast_far_of(f, theta_o, theta_j, sigma2[k]);
+        global[k] = fast_far_at(g, across)[k];
+    }
     vec3 local = dual_back(dual_view(theta_o), theta_j, sigma2) *
                  ((1.0 - across) * (1.0 / LIT_PI)); // eq 30
-    return fast_global(f, theta_o, theta_j, across, sigma2) + fibre_d_b * local;
+    return global + fibre_d_b * local;
 }
 
 vec3 far_cells(uint to, float theta_j, float theta_o, float across, vec3 sigma)
