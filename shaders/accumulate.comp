@@ -4,7 +4,8 @@
 // picture are bound; what was seen is the whole's affair.
 // Most pixels see no hair, and what they saw is there already: an invocation finds
 // those of its pixels that ask for work, then does these.  (A renderer on a CPU
-// runs both sides of a branch, but a loop's turns only where there are any.)
+// runs both sides of a branch, and a loop's body as often as the busiest of a few
+// neighbours wants it, once at least.)
 #include "scene.glsl"
 #include "cells.glsl"
 #include "seen.glsl"
@@ -48,7 +49,7 @@ void main()
         uint at = from + 64u * uint(findLSB(hair)), to = map[first_map + at];
         hair &= hair - 1u;
         vec4 s = vec4(0.0);
-        for (uint k = first ? 1u : 0u; k < 1u; k++)
+        if (!first)
             s = sum[at];
         if (to >= MAP_FIRST)
             s += vec4(radiance[to - MAP_FIRST].rgb, 1.0);
