@@ -1,5 +1,5 @@
 // light_groups.c - puts lights together, the nearest and dimmest first (Ward's
-// method on directions weighted by power).
+// method on directions and widths weighted by power).
 #include "renderer/light_groups.h"
 
 #include <math.h>
@@ -35,6 +35,25 @@ static struct cluster together(const struct cluster *a, const struct cluster *b)
     return c;
 }
 
+// Lobes exp(2 (cos - 1) / lambda^2) have a mean of 1 - cos of half lambda^2:
+// the group's has that of all together.
+static double width(const struct cluster *c)
+{
+    return sqrt((c->width2 + 2 * apart(c)) / c->power);
+}
+
+// Half the power times the square of how far it must move for both to be one:
+// their centres to the common one, and the light of either within its lobe, for
+// lobes of unlike width may share a centre (Wasserstein's distance of two round
+// Gaussians: d^2 + (lambda_a - lambda_b)^2).
+static double cost(const struct cluster *a, const struct cluster *b)
+{
+    const struct cluster both = together(a, b);
+    const double wider = width(a) - width(b);
+    return fmax(apart(&both) - apart(a) - apart(b), 0) +
+           0.5 * a->power * b->power / both.power * wider * wider;
+}
+
 static void find_next(struct cluster *c, int count, int i)
 {
     c[i].next = -1;
@@ -42,10 +61,9 @@ static void find_next(struct cluster *c, int count, int i)
     for (int j = i + 1; j < count; j++) {
         if (c[j].root != j)
             continue;
-        const struct cluster both = together(&c[i], &c[j]);
-        const double cost = apart(&both) - apart(&c[i]) - apart(&c[j]);
-        if (cost < c[i].cost) {
-            c[i].cost = cost;
+        const double move = cost(&c[i], &c[j]);
+        if (move < c[i].cost) {
+            c[i].cost = move;
             c[i].next = j;
         }
     }
@@ -90,15 +108,13 @@ static double merge_all(struct cluster *c, int count, double spread)
     return total > 0 ? sqrt(2 * lost / total) : 0;
 }
 
-// Lobes exp(2 (cos - 1) / lambda^2) have a mean of 1 - cos of half lambda^2:
-// the group's has that of all together.
 static void describe(struct light_groups_group *g, const struct cluster *c)
 {
     const double n = length(c->v);
     for (int i = 0; i < 3; i++)
         g->direction[i] = c->v[i] / n;
     g->power = c->power;
-    g->lambda = sqrt((c->width2 + 2 * apart(c)) / c->power);
+    g->lambda = width(c);
 }
 
 void light_groups_make(struct light_groups *g,

@@ -21,7 +21,7 @@ struct light_groups_group {
 
 struct light_groups {
     int lights, count;
-    double spread; // rms angle of the lights' directions to their groups', rad
+    double spread; // what merging moved the light by, rms, rad
     struct light_groups_group group[LIGHT_GROUPS_MAX];
     int member[LIGHT_GROUPS_MAX]; // the lights, group by group
 };

@@ -7,7 +7,6 @@
 
 #include "protocol/bytes.h"
 #include "renderer/gl.h"
-#include "renderer/light_groups.h"
 
 struct light_std140 {
     float place[4], radiance[4];
@@ -113,79 +112,6 @@ static void turn(const double m[9], const double d[3], float out[3])
                          m[3 * r + 2] * d[2]);
 }
 
-// A sun is a group of its own.
-static void group_suns(struct lights *l)
-{
-    for (int j = l->used - l->suns; j < l->used; j++) {
-        struct lights_group *g = &l->group[l->groups++];
-        memcpy(g->direction, l->place[j].direction, sizeof g->direction);
-        g->lambda = l->place[j].lambda;
-        g->first = j;
-        g->end = j + 1;
-        l->member[j] = j;
-        l->weight[j] = 1;
-    }
-}
-
-// The sky's, in the map's own frame, so that turning it changes no group.
-static void group_sky(struct lights *l, const struct sky_fit *fit,
-                      double spread, const double m[9])
-{
-    const int sky = l->used - l->suns;
-    struct light_groups_light light[LIGHTS_MAX];
-    struct light_groups groups;
-    for (int j = 0; j < sky; j++) {
-        const struct sky_light *from = &fit->light[j];
-        memcpy(light[j].direction, from->direction, sizeof light[j].direction);
-        light[j].lambda = from->lambda;
-        light[j].power = power_of(from);
-    }
-    light_groups_make(&groups, light, sky, spread);
-    for (int i = 0; i < groups.count; i++) {
-        const struct light_groups_group *from = &groups.group[i];
-        struct lights_group *g = &l->group[i];
-        turn(m, from->direction, g->direction);
-        g->lambda = (float)from->lambda;
-        g->first = from->first;
-        g->end = from->end;
-        for (int k = from->first; k < from->end; k++) {
-            l->member[k] = groups.member[k];
-            l->weight[k] = (float)(light[groups.member[k]].power / from->power);
-        }
-    }
-    l->groups = groups.count;
-    l->spread = groups.spread;
-}
-
-// True when other lights are together than before.
-static bool group(struct lights *l, const struct sky_fit *fit,
-                  const struct params *p, const double m[9])
-{
-    struct lights before;
-    memcpy(&before, l, sizeof before);
-    group_sky(l, fit, p->quality.group_deg * M_PI / 180, m);
-    group_suns(l);
-    bool same = before.groups == l->groups &&
-                memcmp(before.member, l->member, sizeof l->member) == 0 &&
-                memcmp(before.weight, l->weight, sizeof l->weight) == 0;
-    for (int i = 0; same && i < l->groups; i++)
-        same = before.group[i].first == l->group[i].first;
-    return !same;
-}
-
-// What a group shines with: after the lights' radiances.
-static void add_flux(struct lights *l)
-{
-    for (int i = 0; i < l->groups; i++) {
-        struct lights_group *g = &l->group[i];
-        memset(g->flux, 0, sizeof g->flux);
-        for (int k = g->first; k < g->end; k++)
-            for (int c = 0; c < 3; c++)
-                g->flux[c] +=
-                    l->radiance[l->member[k]][c] * l->radiance[l->member[k]][3];
-    }
-}
-
 bool lights_put(struct lights *l, const struct sky_fit *fit,
                 const struct params *p)
 {
@@ -222,10 +148,6 @@ bool lights_put(struct lights *l, const struct sky_fit *fit,
     l->fitted = fit->count;
     l->used = sky + suns;
     l->suns = suns;
-    if (group(l, fit, p, m)) {
-        l->made = 0; // what goes by its number reads groups as well
-        changed = true;
-    }
     return changed;
 }
 
@@ -271,7 +193,6 @@ void lights_tint(struct lights *l, const struct sky_fit *fit,
     }
     for (int j = 0; j < l->used; j++)
         memcpy(l->radiance[j], block.light[j].radiance, sizeof l->radiance[j]);
-    add_flux(l);
     block.count = (uint32_t)l->used;
     if (l->made > 0 && memcmp(&block, l->content, sizeof block) == 0)
         return;

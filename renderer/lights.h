@@ -25,13 +25,6 @@ struct lights_place {
     float share; // of the fit's light, 1 on average; a sun's is 1
 };
 
-// Lights as one, for what other fibres scatter forward (light_groups.h).
-struct lights_group {
-    float direction[3], lambda; // as lights_place
-    float flux[3];              // sum of radiance times solid angle
-    int first, end;             // of `member` and `weight`
-};
-
 struct lights {
     unsigned block; // uniform buffer
     unsigned made;  // its number: no other content of any such block has it
@@ -42,11 +35,6 @@ struct lights {
     float to_map[9];        // row-major: world direction -> map direction
     float tint[3];          // the block times this is what shines
     float radiance[LIGHTS_MAX][4]; // of the block; w: solid angle
-    int groups;
-    double spread; // what grouping moves the sky's light by, rms, rad
-    struct lights_group group[LIGHTS_MAX];
-    int member[LIGHTS_MAX];   // lights, group by group
-    float weight[LIGHTS_MAX]; // of each in its group; they add up to 1
 };
 
 // Map direction -> world direction, row-major.  Thread: any.
@@ -64,9 +52,8 @@ void lights_finish(struct lights *l);
 
 // Where lights stand.  Rotation of the sky: roll about y, then pitch about x,
 // then yaw about z (light.*).  Drops the dimmest sky lights while together they
-// hold at most quality.light_bound of the sky's light, and groups those left as
-// quality.group_deg allows.  True when any place, width, group or the count
-// differs from before.
+// hold at most quality.light_bound of the sky's light.  True when any place,
+// width or the count differs from before.
 bool lights_put(struct lights *l, const struct sky_fit *fit,
                 const struct params *p);
 // How bright they are: the fit's radiances times tint.*, the suns' colours.

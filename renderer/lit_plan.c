@@ -61,7 +61,7 @@ static double steady_of(double width)
     return low * low;
 }
 
-static double narrowest(const struct lit_fibre *f)
+double lit_plan_narrowest(const struct lit_fibre *f)
 {
     const double *b = f->fibre.beta;
     return 2.82842712 * (f->opaque ? b[0] : fmin(b[0], fmin(b[1], b[2])));
@@ -214,7 +214,7 @@ static void plan_far(struct lit_plan *plan, const struct lit_fibre *f,
                      const struct lit_lights *l)
 {
     struct lit_block *const b = &plan->block;
-    const double w = narrowest(f);
+    const double w = lit_plan_narrowest(f);
     const double least = fmin(fmax((double)l->least, far_least), 1);
     const double first = log(least);
     const double slices = ceil((log(far_most) - first) * far_log);
@@ -295,7 +295,7 @@ void lit_plan_make(struct lit_plan *plan, const struct lit_fibre *f,
     struct draw d;
     memset(plan, 0, sizeof *plan);
     d.lights = lights;
-    d.widths = (struct widths){narrowest(f), f->fibre.w_c, 0, 0};
+    d.widths = (struct widths){lit_plan_narrowest(f), f->fibre.w_c, 0, 0};
     d.widths.steady = steady_of(d.widths.w);
     d.widths.steady_c = steady_of(d.widths.w_c);
     sort_lights(&d);

@@ -40,6 +40,7 @@ struct lit_lights {
     // of each: its width; what it holds of all light, 1 on average
     float lambda[LIT_PLAN_LIGHTS], share[LIT_PLAN_LIGHTS];
     float least;    // the narrowest that light scattered forward starts from
+    float spread;   // that grouping may move it by, rad (light_groups.h)
     uint64_t bytes; // that the tables may take on the device
     bool apart;     // each has a table of its own width
 };
@@ -67,6 +68,9 @@ struct lit_lights lit_plan_apart(const float *lambda, int count);
 // Every byte is written: plans compare as bytes.
 void lit_plan_make(struct lit_plan *plan, const struct lit_fibre *f,
                    const struct lit_lights *lights);
+
+// 2 sqrt2 beta of the narrowest lobe that is not left out.
+double lit_plan_narrowest(const struct lit_fibre *f);
 
 // On the device: cells, values and marks.
 uint64_t lit_plan_bytes(const struct lit_plan *plan);

@@ -4,6 +4,7 @@
 #ifndef RENDERER_LIT_SOURCE_H
 #define RENDERER_LIT_SOURCE_H
 
+#include "renderer/light_groups.h"
 #include "renderer/lights.h"
 #include "renderer/lit_plan.h"
 
@@ -21,15 +22,23 @@ struct lit_sources {
 };
 
 // ... and the uniform block, from lit_groups on.
-struct lit_groups {
+struct lit_members {
     uint32_t count[4];
     uint32_t member[LIT_PLAN_LIGHTS][4];
     float axis[LIT_PLAN_LIGHTS][4];
 };
 
+// Which lights are one for what other fibres scatter forward.  spread: what
+// that may move the sky's light by (rad) where fibres scatter it as far as
+// light hair does; narrower lobes, which leave more to see of where it began,
+// have a half, a quarter ...  A sun stays alone.
+void lit_source_group(struct light_groups *g, const struct lights *l,
+                      const struct lit_fibre *f, double spread);
+
 // Every byte is written.
-void lit_source_lights(struct lit_sources *s, const struct lights *l,
-                       const struct lit_plan *plan);
-void lit_source_groups(struct lit_groups *g, const struct lights *l);
+void lit_source_put(struct lit_sources *s, const struct lights *l,
+                    const struct light_groups *g, const struct lit_plan *plan);
+void lit_source_members(struct lit_members *m, const struct light_groups *g,
+                        const struct lights *l);
 
 #endif

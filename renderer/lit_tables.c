@@ -3,6 +3,7 @@
 // read, shading.c's.
 #include "renderer/lit_tables.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -56,7 +57,8 @@ struct lit_tables {
     struct lit_lights lights;
     unsigned made;   // the order of records
     uint32_t places; // with records
-    uint32_t groups;
+    struct light_groups groups;
+    float spread;     // that they were asked for with
     bool planned;     // plan is of this fibre and these lights
     unsigned sourced; // the lights that sources and groups are of
     bool near_stale, far_stale, marked, recorded;
@@ -209,35 +211,64 @@ static bool plan(struct lit_tables *t, const struct lit_lights *of,
     return true;
 }
 
-// What the loops read, of lights that are where and what they were told to be.
+// Which lights are one; records go by that.
+static void group(struct lit_tables *t, const struct lit_lights *of,
+                  const struct lights *l)
+{
+    const struct light_groups before = t->groups;
+    struct light_groups *g = &t->groups;
+    bool same;
+    lit_source_group(g, l, &t->fibre, (double)of->spread);
+    same = before.count == g->count &&
+           memcmp(before.member, g->member, sizeof g->member) == 0;
+    for (int i = 0; same && i < g->count; i++)
+        same = before.group[i].first == g->group[i].first;
+    if (!same)
+        lit_tables_forget(t);
+}
+
+// What the loops read.
 static bool put_sources(struct lit_tables *t, const struct lights *l,
                         struct error *err)
 {
     struct lit_sources sources;
-    struct lit_groups groups;
+    struct lit_members members;
     if (!grow(t, SOURCES, sizeof sources, err))
         return false;
-    lit_source_lights(&sources, l, &t->plan);
-    lit_source_groups(&groups, l);
+    lit_source_put(&sources, l, &t->groups, &t->plan);
+    lit_source_members(&members, &t->groups, l);
     gl.NamedBufferSubData(t->buffer[SOURCES], 0, sizeof sources, &sources);
-    gl.NamedBufferSubData(t->uniform, sizeof(struct lit_block), sizeof groups,
-                          &groups);
-    t->sourced = l->made;
-    t->groups = groups.count[0];
+    gl.NamedBufferSubData(t->uniform, sizeof(struct lit_block), sizeof members,
+                          &members);
     return true;
 }
 
 bool lit_tables_lights(struct lit_tables *t, const struct lit_lights *of,
                        const struct lights *l, struct error *err)
 {
-    const bool planned = t->planned && memcmp(&t->lights, of, sizeof *of) == 0;
-    if (planned && t->sourced == l->made)
+    struct lit_lights all = *of;
+    if (t->planned && t->sourced == l->made && t->spread == of->spread &&
+        t->lights.bytes == of->bytes)
         return true;
     if (!t->uniform)
         t->uniform =
-            gl_buffer(sizeof(struct lit_block) + sizeof(struct lit_groups),
+            gl_buffer(sizeof(struct lit_block) + sizeof(struct lit_members),
                       NULL, "lit block");
-    return (planned || plan(t, of, err)) && put_sources(t, l, err);
+    group(t, of, l);
+    all.least = 1;
+    for (int i = 0; i < t->groups.count; i++)
+        all.least = fminf(all.least, (float)t->groups.group[i].lambda);
+    t->sourced = 0; // until all is done
+    if (!plan(t, &all, err) || !put_sources(t, l, err))
+        return false;
+    t->sourced = l->made;
+    t->spread = of->spread;
+    return true;
+}
+
+const struct light_groups *lit_tables_groups(const struct lit_tables *t)
+{
+    return &t->groups;
 }
 
 const struct lit_plan *lit_tables_plan(const struct lit_tables *t)
@@ -326,7 +357,7 @@ static void clear(unsigned buffer)
 
 bool lit_tables_keep(struct lit_tables *t, uint32_t places, struct error *err)
 {
-    const uint64_t groups = t->fibre.multiple ? t->groups : 0;
+    const uint64_t groups = t->fibre.multiple ? (uint64_t)t->groups.count : 0;
     const uint64_t far = places * groups * RECORD_BYTES;
     const uint64_t near = places * (uint64_t)t->lights.count * DIRECT_BYTES;
     const uint64_t most = most_of(t, RECORDS);

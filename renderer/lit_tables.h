@@ -18,6 +18,7 @@
 #include <stdint.h>
 
 #include "protocol/error.h"
+#include "renderer/light_groups.h"
 #include "renderer/lights.h"
 #include "renderer/lit_plan.h"
 
@@ -47,6 +48,8 @@ bool lit_tables_lights(struct lit_tables *t, const struct lit_lights *of,
 
 // How many tables there are, and which lights have none (lit_plan.h).
 const struct lit_plan *lit_tables_plan(const struct lit_tables *t);
+// Which lights are one for what other fibres scatter forward.
+const struct light_groups *lit_tables_groups(const struct lit_tables *t);
 
 // What places read has changed: marks and records are to be made anew.
 void lit_tables_forget(struct lit_tables *t);
@@ -57,8 +60,8 @@ bool lit_tables_marked(const struct lit_tables *t, unsigned made);
 bool lit_tables_recorded(const struct lit_tables *t, unsigned made);
 // If neither: makes room for records of so many places and sorts them (0, or
 // too many for a buffer: none are kept; the cells of the picture's first part,
-// lights and transmittances are bound), then clears the marks and binds what `program` needs, which marks
-// and makes records (shaders/lit_mark.comp).
+// lights and transmittances are bound), then clears the marks and binds what
+// `program` needs, which marks and makes records (shaders/lit_mark.comp).
 bool lit_tables_keep(struct lit_tables *t, uint32_t places, struct error *err);
 void lit_tables_mark(struct lit_tables *t, unsigned program, unsigned made);
 // How many places have records; `program` will read them.

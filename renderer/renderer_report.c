@@ -45,6 +45,19 @@ static void list_tables(const struct lit_plan *plan, struct renderer_stats *s)
                   "lights' tables");
 }
 
+static void leave_out_apart(struct renderer_stats *s,
+                            const struct light_groups *g)
+{
+    char why[96];
+    if (g->count == g->lights)
+        return;
+    snprintf(why, sizeof why,
+             "%d lights are %d for what other fibres scatter forward: radians "
+             "moved, rms",
+             g->lights, g->count);
+    leave_out(s, "lights_apart", g->spread, why);
+}
+
 static void list_left_out(const struct renderer *r, struct renderer_stats *s)
 {
     char why[96];
@@ -62,14 +75,8 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
                  dropped, r->lights.fitted);
         leave_out(s, "lights", r->lights.dropped_share, why);
     }
-    if (r->shading.tabled && r->shading.whole && r->shading.multiple &&
-        r->lights.groups < r->lights.used) {
-        snprintf(why, sizeof why,
-                 "%d lights are %d for what other fibres scatter forward: "
-                 "radians moved, rms",
-                 r->lights.used, r->lights.groups);
-        leave_out(s, "lights_apart", r->lights.spread, why);
-    }
+    if (r->shading.tabled && r->shading.whole && r->shading.multiple)
+        leave_out_apart(s, lit_tables_groups(r->shading.lit));
     if (!r->shading.shadowed)
         leave_out(s, "shadows", 0, "shadow.method is off, or nothing shines");
     else if (r->params.shadow.rays == 0)

@@ -359,9 +359,7 @@ static bool plan_lit(struct shading *s, const struct shading_sample *how,
     memset(&of, 0, sizeof of);
     of.count = l->used;
     of.bytes = how->lit_bytes;
-    of.least = 1;
-    for (int i = 0; i < l->groups; i++)
-        of.least = fminf(of.least, l->group[i].lambda);
+    of.spread = how->lit_spread;
     for (int j = 0; j < l->used; j++) {
         of.lambda[j] = l->place[j].lambda;
         of.share[j] = l->place[j].share;

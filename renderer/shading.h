@@ -70,6 +70,7 @@ struct shading_sample {
     // lights, and the picture whose places are shaded.  NULL: mode by mode.
     const struct lights *lights;
     uint64_t lit_bytes; // that these tables may take, and again their records
+    float lit_spread;   // quality.group_deg, rad
     const struct picture *picture;
     bool again;    // the same places as ever since shading_forget,
     unsigned made; // in the order of these transmittances (nodes.h)
