@@ -4,9 +4,9 @@
 #include <math.h>
 #include <string.h>
 
-// Widths of lobes from which on `spread` is had whole: beta of 3.4 degrees.  Of
-// 20,000 places of one picture the error is as large with half the lobe and
-// half the spread (docs/METHODS.md).
+// Width of lobes from which on `spread` is had whole: beta of 3.4 degrees.
+// Places then err no more with narrow lobes than with wide ones
+// (docs/METHODS.md).
 static const double wide = 0.168;
 
 void lit_source_group(struct light_groups *g, const struct lights *l,

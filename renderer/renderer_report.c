@@ -101,7 +101,7 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
                   r->shading.whole ? LIT_TABLES_ERROR : FAST_TABLES_ERROR,
                   r->shading.whole
                       ? "render.path is table: the largest error measured of a "
-                        "place; median .003"
+                        "place; median .006"
                       : "render.path is table: the largest error measured of a "
                         "sky's sum; median .001 to .025");
     if (plan_of(r))

@@ -84,7 +84,8 @@ static const char *view_of(int components)
 // Does anything read the tables of scheme `paper`?
 static bool wants_tables(const struct shading *s, const struct params *p)
 {
-    return (p->render.scheme == 0 && !s->tabled) || p->render.multiple == 1;
+    return (p->render.scheme == 0 && !s->tabled) ||
+           (s->multiple && p->render.multiple == 1);
 }
 
 static void name_base(struct shading *s, const struct params *p,
@@ -198,7 +199,7 @@ static void choose_path(struct shading *s, const struct params *p)
     s->refused = NULL;
     if (asked && p->render.scheme == 0)
         s->refused = "render.scheme is paper";
-    else if (asked && p->render.multiple == 1)
+    else if (asked && s->multiple && p->render.multiple == 1)
         s->refused = "render.multiple is paper";
     else if (asked)
         s->refused = fast_tables_refuse(&f);
