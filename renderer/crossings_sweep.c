@@ -116,6 +116,7 @@ static void begin_state(struct crossings *c, int slots)
         gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &c->before);
         gl.TextureBuffer(c->before, GL_RG32UI, c->state);
     }
+    gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT); // shaders wrote it
     gl.ClearNamedBufferSubData(c->state, GL_RG32UI, 0, (GLsizeiptr)wanted,
                                GL_RG_INTEGER, GL_UNSIGNED_INT, air);
 }
@@ -141,7 +142,6 @@ static void bind(const struct crossings *c, const struct batch *b)
 static bool run_slices(const struct crossings *c, const struct batch *b)
 {
     const int *o = order[b->axis], n = c->size[o[0]] / 4 * c->size[o[1]];
-    gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     bind(c, b);
     program_use(c->sweep);
     for (int turn = 0; b->chunks > 0 && turn < c->size[b->axis]; turn++) {

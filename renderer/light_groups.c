@@ -69,15 +69,25 @@ static void find_next(struct cluster *c, int count, int i)
     }
 }
 
-// j goes into i; who had either as the nearest looks again, and so do those
-// that i is nearer to by now.
+// j goes into i.  Who had either as the nearest looks again; to others of those
+// before it i may be nearer by now (find_next takes the first of equals).
 static void merge(struct cluster *c, int count, int i, int j)
 {
     c[i] = together(&c[i], &c[j]);
     c[j].root = i;
-    for (int k = 0; k < count; k++)
-        if (c[k].root == k && (k <= i || c[k].next == j))
+    for (int k = 0; k < j; k++) {
+        if (c[k].root != k)
+            continue;
+        if (k == i || c[k].next == i || c[k].next == j) {
             find_next(c, count, k);
+            continue;
+        }
+        const double move = k < i ? cost(&c[k], &c[i]) : INFINITY;
+        if (move < c[k].cost || (move == c[k].cost && i < c[k].next)) {
+            c[k].cost = move;
+            c[k].next = i;
+        }
+    }
 }
 
 static int cheapest(const struct cluster *c, int count)

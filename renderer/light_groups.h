@@ -2,9 +2,9 @@
 // fibres scatter forward: that light comes from a wide cone (Zinke 2008, eq 8;
 // sigma_f), in which it can hardly be told where in a few degrees it began.
 // What of a group comes through the hair is the mean of its lights'
-// transmittances by power, which is exact.  Approximate is where it comes from:
-// one lobe at the power's centre, as wide as all of them together.
-// Thread: any.
+// transmittances by power, which is exact where they are of one colour.
+// Approximate is where it comes from: one lobe at the power's centre, as wide
+// as all of them together. Thread: any.
 #ifndef RENDERER_LIGHT_GROUPS_H
 #define RENDERER_LIGHT_GROUPS_H
 

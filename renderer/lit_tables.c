@@ -348,9 +348,11 @@ static bool sort_places(struct lit_tables *t, uint32_t places,
     return true;
 }
 
+// What shaders wrote comes before.
 static void clear(unsigned buffer)
 {
     const uint32_t zero = 0;
+    gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl.ClearNamedBufferData(buffer, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT,
                             &zero);
 }

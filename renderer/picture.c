@@ -309,7 +309,8 @@ void picture_prepare(struct picture *p, int k)
     gl.ProgramUniform1ui(p->count, 0, (GLuint)k);
     gl.ProgramUniform1ui(p->count, 1, k >= p->seen);
     gl.DispatchCompute(1, 1, 1);
-    gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+    gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT |
+                     GL_BUFFER_UPDATE_BARRIER_BIT); // picture_counters
     if (k >= p->seen)
         p->seen = k + 1;
 }

@@ -221,14 +221,20 @@ static void update_fast(struct shading *s, const struct params *p)
     lit_tables_fibre(s->lit, &lit);
 }
 
-void shading_show(struct shading *s, const struct params *p,
-                  const struct strands *strands, int components)
+static void choose_light(struct shading *s, const struct params *p,
+                         int components)
 {
     choose_components(s, components);
     // light that others scattered is known only where what they block is
     s->multiple = s->shadowed && p->render.multiple > 0 &&
                   (s->share[0] > 0 || s->share[1] > 0);
-    choose_path(s, p);
+}
+
+// The path stays: parts of a picture go the way of the whole.
+void shading_show(struct shading *s, const struct params *p,
+                  const struct strands *strands, int components)
+{
+    choose_light(s, p, components);
     name_base(s, p, strands, components);
 }
 
@@ -236,7 +242,9 @@ void shading_update(struct shading *s, const struct params *p,
                     const struct strands *strands, bool shadowed)
 {
     s->shadowed = shadowed;
-    shading_show(s, p, strands, p->render.components);
+    choose_light(s, p, p->render.components);
+    choose_path(s, p);
+    name_base(s, p, strands, p->render.components);
     if (s->best)
         update_lobes(s, p);
     if (s->multiple)
