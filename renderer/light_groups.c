@@ -121,8 +121,8 @@ static double merge_all(struct cluster *c, int count, double spread)
 static void describe(struct light_groups_group *g, const struct cluster *c)
 {
     const double n = length(c->v);
-    for (int i = 0; i < 3; i++)
-        g->direction[i] = c->v[i] / n;
+    for (int i = 0; i < 3; i++) // from all round: no centre is better
+        g->direction[i] = n > 0 ? c->v[i] / n : i == 2;
     g->power = c->power;
     g->lambda = width(c);
 }

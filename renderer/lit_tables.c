@@ -17,7 +17,8 @@ enum {
     RECORD_BYTES = 16,
     DIRECT_BYTES = 8,
     ORDER_BYTES = 8,
-    BUFFER_MAX = 128 << 20, // bytes: some drivers end there
+    // bytes: some drivers end at 128 MiB; what gl_texture_buffer_size adds
+    BUFFER_MAX = (128 << 20) - 1024,
     VALUES_BINDING = 12,
     MARKS_BINDING = 13,
     RECORDS_BINDING = 14,
@@ -149,6 +150,7 @@ static bool grow(struct lit_tables *t, int i, uint64_t bytes, struct error *err)
         return true;
     drop(t, i);
     bytes = (with_slack(bytes, most_of(t, i)) + 15) / 16 * 16;
+    bytes = gl_texture_buffer_size(bytes);
     gl.CreateBuffers(1, &t->buffer[i]);
     gl.NamedBufferStorage(t->buffer[i], (GLsizeiptr)bytes, NULL,
                           GL_DYNAMIC_STORAGE_BIT);

@@ -94,6 +94,12 @@ static void limits(void)
     CHECK(g->count < MANY && g->count > 10 && g->lights == MANY);
     for (int i = 0; i < g->count; i++)
         CHECK(isfinite(g->group[i].lambda) && g->group[i].lambda > 0);
+    check_case("of two that face each other no light is lost");
+    for (int i = 0; i < 2; i++)
+        l[i] = (struct light_groups_light){{i ? -1 : 1, 0, 0}, 0.3, 2};
+    light_groups_make(g, l, 2, 2);
+    CHECK(g->count == 1 && g->group[0].power == 4);
+    CHECK(dot(g->group[0].direction, g->group[0].direction) == 1);
     free(g);
 }
 
