@@ -58,6 +58,22 @@ static void leave_out_apart(struct renderer_stats *s,
     leave_out(s, "lights_apart", g->spread, why);
 }
 
+static void leave_out_shadows(struct renderer_stats *s,
+                              const struct renderer *r)
+{
+    if (!r->shading.shadowed)
+        leave_out(s, "shadows", 0, "shadow.method is off, or nothing shines");
+    else if (r->params.shadow.rays == 0)
+        leave_out(s, "shadow_rays", 0, "shadow.rays is 0: the smooth field");
+    else if (renderer_mapped(r))
+        leave_out(s, "shadow_rays", 1,
+                  "shadow.method is map, which has no rays: for comparison");
+    else if (r->lists_tried && renderer_rays(r) == 0)
+        leave_out(s, "shadow_rays", 1,
+                  "shadow.memory_mb or the device has no room for the lists "
+                  "of near fibres: the smooth field");
+}
+
 static void list_left_out(const struct renderer *r, struct renderer_stats *s)
 {
     char why[96];
@@ -77,17 +93,7 @@ static void list_left_out(const struct renderer *r, struct renderer_stats *s)
     }
     if (r->shading.tabled && r->shading.whole && r->shading.multiple)
         leave_out_apart(s, lit_tables_groups(r->shading.lit));
-    if (!r->shading.shadowed)
-        leave_out(s, "shadows", 0, "shadow.method is off, or nothing shines");
-    else if (r->params.shadow.rays == 0)
-        leave_out(s, "shadow_rays", 0, "shadow.rays is 0: the smooth field");
-    else if (renderer_mapped(r))
-        leave_out(s, "shadow_rays", 1,
-                  "shadow.method is map, which has no rays: for comparison");
-    else if (r->lists_tried && renderer_rays(r) == 0)
-        leave_out(s, "shadow_rays", 1,
-                  "shadow.memory_mb or the device has no room for the lists "
-                  "of near fibres: the smooth field");
+    leave_out_shadows(s, r);
     if (!r->shading.multiple)
         leave_out(s, "multiple", 0,
                   "render.multiple or shadows are off, or a part is shown that "
