@@ -199,7 +199,7 @@ static void choose_path(struct shading *s, const struct params *p)
     s->refused = NULL;
     if (asked && p->render.scheme == 0)
         s->refused = "render.scheme is paper";
-    else if (asked && s->multiple && p->render.multiple == 1)
+    else if (asked && s->shadowed && p->render.multiple == 1)
         s->refused = "render.multiple is paper";
     else if (asked)
         s->refused = fast_tables_refuse(&f);
