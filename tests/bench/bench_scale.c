@@ -241,9 +241,7 @@ static const struct {
     {{.name = "Pixels",
       .id = "pixels",
       .x = "pixels",
-      .about = "`builtin:animation`, the same view. 2720 x 1530 is the "
-               "largest picture of these sides that a buffer of 128 MiB "
-               "takes, llvmpipe's limit."},
+      .about = "`builtin:animation`, the same view."},
      pixels},
 };
 
