@@ -9,12 +9,16 @@
 // (docs/METHODS.md).
 static const double wide = 0.168;
 
+double lit_source_spread(const struct lit_fibre *f, double spread)
+{
+    return spread * fmin(exp2(floor(log2(lit_plan_narrowest(f) / wide))), 1);
+}
+
 void lit_source_group(struct light_groups *g, const struct lights *l,
-                      const struct lit_fibre *f, double spread)
+                      double spread)
 {
     struct light_groups_light light[LIT_PLAN_LIGHTS];
     const int sky = l->used - l->suns;
-    const double part = exp2(floor(log2(lit_plan_narrowest(f) / wide)));
     for (int j = 0; j < l->used; j++) {
         const struct lights_place *from = &l->place[j];
         for (int c = 0; c < 3; c++)
@@ -22,7 +26,7 @@ void lit_source_group(struct light_groups *g, const struct lights *l,
         light[j].lambda = (double)from->lambda;
         light[j].power = (double)from->share;
     }
-    light_groups_make(g, light, sky, spread * fmin(part, 1));
+    light_groups_make(g, light, sky, spread);
     for (int j = sky; j < l->used; j++) {
         struct light_groups_group *sun = &g->group[g->count++];
         *sun = (struct light_groups_group){

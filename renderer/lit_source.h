@@ -28,12 +28,14 @@ struct lit_members {
     float axis[LIT_PLAN_LIGHTS][4];
 };
 
-// Which lights are one for what other fibres scatter forward.  spread: what
-// that may move the sky's light by (rad) where fibres scatter it as far as
-// light hair does; narrower lobes, which leave more to see of where it began,
-// have a half, a quarter ...  A sun stays alone.
+// What grouping may move the sky's light by (rad), of `spread`, which holds
+// where fibres scatter it as far as light hair does: narrower lobes, which
+// leave more to see of where it began, have a half of it, a quarter ...
+double lit_source_spread(const struct lit_fibre *f, double spread);
+// Which lights are one for what other fibres scatter forward.  A sun stays
+// alone.
 void lit_source_group(struct light_groups *g, const struct lights *l,
-                      const struct lit_fibre *f, double spread);
+                      double spread);
 
 // Every byte is written.
 void lit_source_put(struct lit_sources *s, const struct lights *l,

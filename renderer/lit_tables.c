@@ -59,7 +59,7 @@ struct lit_tables {
     unsigned made;   // the order of records
     uint32_t places; // with records
     struct light_groups groups;
-    float spread;     // that they were asked for with
+    double spread;    // that they were made with
     bool planned;     // plan is of this fibre and these lights
     unsigned sourced; // the lights that sources and groups are of
     bool near_stale, far_stale, marked, recorded;
@@ -214,13 +214,12 @@ static bool plan(struct lit_tables *t, const struct lit_lights *of,
 }
 
 // Which lights are one; records go by that.
-static void group(struct lit_tables *t, const struct lit_lights *of,
-                  const struct lights *l)
+static void group(struct lit_tables *t, const struct lights *l, double spread)
 {
     const struct light_groups before = t->groups;
     struct light_groups *g = &t->groups;
     bool same;
-    lit_source_group(g, l, &t->fibre, (double)of->spread);
+    lit_source_group(g, l, spread);
     same = before.count == g->count &&
            memcmp(before.member, g->member, sizeof g->member) == 0;
     for (int i = 0; same && i < g->count; i++)
@@ -249,22 +248,29 @@ bool lit_tables_lights(struct lit_tables *t, const struct lit_lights *of,
                        const struct lights *l, struct error *err)
 {
     struct lit_lights all = *of;
-    if (t->planned && t->sourced == l->made && t->spread == of->spread &&
-        t->lights.bytes == of->bytes)
+    const double spread = lit_source_spread(&t->fibre, (double)of->spread);
+    const bool same = t->sourced == l->made && t->spread == spread;
+    if (t->planned && same && t->lights.bytes == of->bytes)
         return true;
     if (!t->uniform)
         t->uniform =
             gl_buffer(sizeof(struct lit_block) + sizeof(struct lit_members),
                       NULL, "lit block");
-    group(t, of, l);
+    if (!same) // most edits of the fibre leave sources as they are
+        group(t, l, spread);
     all.least = 1;
     for (int i = 0; i < t->groups.count; i++)
         all.least = fminf(all.least, (float)t->groups.group[i].lambda);
+    const struct lit_plan before = t->plan;
     t->sourced = 0; // until all is done
-    if (!plan(t, &all, err) || !put_sources(t, l, err))
+    if (!plan(t, &all, err))
+        return false;
+    const bool shaped = memcmp(before.block.light, t->plan.block.light,
+                               sizeof before.block.light) != 0;
+    if ((!same || shaped || !t->buffer[SOURCES]) && !put_sources(t, l, err))
         return false;
     t->sourced = l->made;
-    t->spread = of->spread;
+    t->spread = spread;
     return true;
 }
 
